@@ -11,6 +11,7 @@ from harness.cases.case import Array
 from harness.denoc import Denoc
 from harness.errors import InputError
 from harness.system import Actuator, Joint, Keyframe, Stops, System
+from harness.system.actuated import sprung
 from harness.system.lowering import followed
 from harness.system.magnitudes import check_start
 from harness.system.soft_constraints import FAR, limit_law
@@ -76,7 +77,7 @@ def driven(
     A drive without a range of force is a spring and a damper of its joint.
     """
     told: list[Driving] = []
-    drives = []
+    drives, servos = [], []
     for stated in system.actuators:
         feedback = stated.feedback_in_words()
         where = f"actuator {stated.name!r} acts on joint {stated.joint!r}" + (f" with {feedback}" if feedback else "")
@@ -97,10 +98,11 @@ def driven(
             said = f"{where}, its command held at {held:g}{kept}"
         told.append(Driving(stated, held, said))
         if _is_spring(acting):
-            system = system.replace_joint(_sprung(system.joint(stated.joint), acting))
+            system = system.replace_joint(sprung(system.joint(stated.joint), acting))
+            servos.append(acting)
         else:
             drives.append(acting)
-    return replace(system, drives=tuple(drives)), tuple(told)
+    return replace(system, drives=tuple(drives), servos=tuple(servos)), tuple(told)
 
 
 def idle(system: System) -> System:
@@ -113,15 +115,6 @@ def idle(system: System) -> System:
 def _is_spring(drive: Actuator) -> bool:
     bounded = np.isfinite([drive.lower, drive.upper, *drive.together]).any()
     return not bounded and drive.damping >= 0.0 and (drive.stiffness > 0.0 or (drive.stiffness == drive.offset == 0.0))
-
-
-def _sprung(joint: Joint, drive: Actuator) -> Joint:
-    """The joint with the drive's spring and damper beside its own."""
-    stiffness = joint.stiffness + drive.stiffness
-    rest = joint.rest_position
-    if stiffness:
-        rest = (joint.stiffness * joint.rest_position + drive.offset) / stiffness
-    return replace(joint, stiffness=stiffness, rest_position=rest, damping=joint.damping + drive.damping)
 
 
 def bounded(system: System, only: Collection[str] | None = None) -> System:

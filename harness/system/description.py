@@ -293,6 +293,11 @@ class Actuator:
         """Whether what a command gives depends on where the joint is, or how fast."""
         return bool(self.gain_position or self.gain_velocity)
 
+    @property
+    def has_feedback(self) -> bool:
+        """Whether its force depends on the position or the velocity without a command."""
+        return bool(self.stiffness or self.damping)
+
     def commanded(self, command: float) -> Actuator:
         """The same under a command that is held (kept within ``commands``), as one that takes none."""
         held = min(max(command, self.commands[0]), self.commands[1])
@@ -390,7 +395,8 @@ class System:
     tolerance: relative 1σ of the nominal masses, lengths, inertias and stiffnesses. tolerances: of single ones that are known
     better or worse, by ``kind@name`` (``armature@servo``).
     attachments: effects beyond the nominal physics.
-    actuators: drives with feedback of their own as the file states them; drives: those that act, their command in their offset.
+    actuators: drives with feedback of their own as the file states them; drives: those that act, their command in their offset;
+    servos: those that act as a spring and a damper that their joint has already.
     limits: how soft the joints' limits are where the file says so; stops: those that act. limits_act: whether the file lets limits
     act in single runs.
     keyframes: states that the file names, to start from.
@@ -409,6 +415,7 @@ class System:
     attachments: tuple[Attachment, ...] = ()
     actuators: tuple[Actuator, ...] = ()
     drives: tuple[Actuator, ...] = ()
+    servos: tuple[Actuator, ...] = ()
     limits: tuple[Stops, ...] = ()
     stops: tuple[Stops, ...] = ()
     limits_act: bool = True
@@ -451,6 +458,11 @@ class System:
     def joint_names(self) -> tuple[str, ...]:
         """Movable joints in the order of the joint coordinates."""
         return tuple(joint.name for joint in self.movable_joints)
+
+    def servos_of(self, joint: str) -> tuple[Actuator, ...]:
+        """The drives with feedback that act at a joint; none where one without feedback is there, too: efforts add up."""
+        acting = tuple(d for d in (*self.servos, *self.drives) if d.joint == joint and d.has_feedback)
+        return acting if all(a.has_feedback for a in self.actuators if a.joint == joint) else ()
 
     @property
     def coordinate_names(self) -> tuple[str, ...]:
