@@ -77,6 +77,13 @@ def diagnose_effort(
         raise UnsupportedError("efforts are fitted for rigid links only", mend="leave --fit-effort out")
     if further:
         raise InputError("effects of your own cannot act on fitted efforts", mend="leave --effects or --fit-effort out")
+    if system.drives:
+        # What such a drive gives depends on all that it is asked for, so that what the motion needs tells no effort by itself.
+        raise UnsupportedError(
+            f"actuator {system.drives[0].name!r} has a range of force, which fitted efforts do not hold",
+            mend="leave --fit-effort out, or record the effort of its joint",
+            source=system.source,
+        )
     deadline = deadline or Deadline()
     _known(only)
     every = [*recordings, *([held] if held is not None else [])]
