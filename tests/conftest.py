@@ -26,7 +26,7 @@ QUICK = {
         "test_provenance", "test_pushed_runs", "test_refused_midway",
         "test_replay", "test_resolved_numbers", "test_score_beside_force",
         "test_disagreement", "test_short_single_recording", "test_place_of_left_force", "test_link_inertia",
-        "test_weighing_cut_short", "test_imbalance_found", "test_second_encoders_beside",
+        "test_weighing_cut_short", "test_imbalance_found", "test_second_encoders_beside", "test_servo_gain",
         "test_without_joints", "test_loads_of_coordinates_added",
         "test_folds", "test_plain_laws", "test_search_ends", "test_separation", "test_sharp_sensitivities", "test_state_force",
         "test_summary", "test_against_nominal", "test_taken_away",

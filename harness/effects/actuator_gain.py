@@ -29,6 +29,6 @@ EFFECT = Effect(
     expressed_by={"any engine": "acts on the effort that is handed to any engine"},
     needs=("effort",),
     simpler=(),
-    confusable_with=("added_inertia", "payload_mass", "actuator_deadzone"),
+    confusable_with=("added_inertia", "payload_mass", "actuator_deadzone", "servo_gain", "servo_torque"),
     input=Input(gain, stage=60),
 )

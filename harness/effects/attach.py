@@ -14,6 +14,7 @@ from harness.system.closure import pins
 from harness.system.suggest import did_you_mean
 
 # Laws that the description of a joint has fields for.
+GAIN = "actuator_gain"  # what is left of a servo's gain once its feedback is in the description
 JOINT_FIELDS = ("viscous_damping", "coulomb_friction", "joint_stiffness")
 
 
@@ -31,7 +32,11 @@ def apply(system: System, attachment: Attachment) -> System:
     law = with_room(law, system, attachment.site)
     values = law.named(law.values(attachment.parameters))
     if law.reshape is not None:
-        return law.reshape.change(system, attachment.site, values)
+        changed = law.reshape.change(system, attachment.site, values)
+        if law.input is None:
+            return changed
+        # Of what is commanded no field of the description says how much arrives.
+        return replace(changed, attachments=(*changed.attachments, input_part(replace(attachment, parameters=values))))
     if law.name in JOINT_FIELDS and attachment.site not in [loop.name for loop in system.loops]:
         joint = system.joint(attachment.site)
         if joint not in system.joints:
@@ -43,6 +48,12 @@ def apply(system: System, attachment: Attachment) -> System:
         return system.replace_joint(_beside_spring(joint, values["stiffness"], values["rest_angle"]))
     kept = tuple(a for a in system.attachments if (a.effect, a.site) != (attachment.effect, attachment.site))
     return replace(system, attachments=(*kept, replace(attachment, parameters=values)))
+
+
+def input_part(attachment: Attachment) -> Attachment:
+    """What is left to attach once the mechanism has its share: of a servo's gain, that of what is commanded."""
+    law = effect(attachment.effect)
+    return replace(attachment, effect=GAIN) if law.input is not None and law.reshape is not None else attachment
 
 
 def _in_space(system: System, site: str, law: str, values: Mapping[str, float]) -> System:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 
 import numpy as np
@@ -13,7 +13,7 @@ from harness.effects.measured import Measured
 from harness.effects.scale import zero_poses
 from harness.errors import InputError
 from harness.registered import registered
-from harness.system import Coupling, Joint, Link, Loop, System
+from harness.system import Actuator, Coupling, Joint, Link, Loop, System
 from harness.system.closure import pins
 from harness.system.suggest import did_you_mean
 
@@ -67,6 +67,8 @@ NAMES = (
     "clock_skew",
     "late_release",
     "actuator_gain",
+    "servo_gain",
+    "servo_torque",
     "actuator_delay",
     "actuator_deadzone",
     "actuator_saturation",
@@ -121,13 +123,21 @@ def sites(effect: Effect, system: System, recording: Measured | None = None) -> 
     if effect.site is SiteKind.JOINT:
         if effect.input is not None:
             driven = {channel.site for channel in recording.efforts} if recording is not None else set()
-            return tuple(name for name in system.joint_names if name in driven)
+            return tuple(n for n in system.joint_names if n in driven and _has_servo(effect, system.servos_of(n)))
         return _joints(effect, system)
     if effect.site is SiteKind.LOOP:
         return _followers(system) if "coupling" in effect.needs else _cuts(system)
     if effect.site is SiteKind.LINK:
         return _links(effect, system)
     return _channels(effect, system, recording)
+
+
+def _has_servo(effect: Effect, servos: Sequence[Actuator]) -> bool:
+    """Whether a joint has the servo that an effect needs."""
+    if "damped servo" in effect.needs:
+        # Without damping, or without stiffness, all that it feeds back is the loop that it is commanded by.
+        return any(servo.stiffness and servo.damping for servo in servos)
+    return bool(servos) or "servo" not in effect.needs
 
 
 def _cuts(system: System) -> tuple[str, ...]:
@@ -162,7 +172,7 @@ def _met(need: str, system: System, recording: Measured | None) -> bool:
         return any(link.beam is not None and not link.beam.geometric_stiffening for link in system.links)
     if need == "exact shapes":
         return any(link.beam is not None and link.beam.shapes != "samples" for link in system.links)
-    if recording is None or need in ("axis", "balanced"):
+    if recording is None or need in ("axis", "balanced", "servo", "damped servo"):
         return True
     if need == "effort":
         return bool(recording.efforts)

@@ -50,6 +50,6 @@ EFFECT = Effect(
         "analytic": "closed form of the compound pendulum",
     },
     needs=("motion", "rigid", "axis"),
-    confusable_with=("payload_mass", "added_inertia", "clock_skew", "joint_stiffness"),
+    confusable_with=("payload_mass", "added_inertia", "clock_skew", "joint_stiffness", "servo_gain", "servo_torque"),
     reshape=Reshape(_shift),
 )

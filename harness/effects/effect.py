@@ -242,7 +242,8 @@ class Effect:
         whose modes theory goes on with; samples end where they end), "line" (a steady line in the channel's spectrum),
         "several" (recordings), "coupling" (a joint that follows another), "space" (a body that turns about any axis), "axis" (a
         link that turns about one), "balanced" (such a link with its centre of mass on that axis, where gravity or what carries it
-        can pull it to a side), "stated" (a model that states it: no recording proposes it).
+        can pull it to a side), "servo" (a joint with a drive whose feedback acts), "damped servo" (one with stiffness and
+        damping), "stated" (a model that states it: no recording proposes it).
     expressed_by: how each engine can say it; an engine that is not named cannot.
     simpler: effects that this one contains as a special case. modifies: effects at its site without one of which it is nothing;
         ``BY_MODEL`` among them where the model states one; two that modify the same exclude each other. alongside: (own parameters,
@@ -250,7 +251,8 @@ class Effect:
     confusable_with: effects that some recordings cannot tell from it.
     plausible: how large what its numbers make together usually is, where no number alone says it.
     rarity: logarithm of how much rarer it is met than the plain effects, all else being equal (prior odds).
-    law, reshape, sensor, input, user: exactly one is given.
+    law, reshape, sensor, input, user: exactly one is given; a reshape and an input where what is commanded and what is fed back
+        are one drive's.
     """
 
     name: str
@@ -277,7 +279,8 @@ class Effect:
 
     def __post_init__(self) -> None:
         given = [m for m in (self.law, self.reshape, self.sensor, self.input, self.user) if m is not None]
-        if len(given) != 1:
+        both = self.reshape is not None and self.input is not None
+        if len(given) != 1 + both:
             raise ValueError(f"effect {self.name!r} states {len(given)} mechanisms; exactly one is needed")
 
     @property
@@ -286,6 +289,11 @@ class Effect:
         if self.sensor is not None:
             return "sensor"
         return "input" if self.input is not None else "dynamics"
+
+    @property
+    def in_mechanism(self) -> bool:
+        """Whether it changes how the mechanism moves by itself, with whatever arrives at its joints."""
+        return self.side == "dynamics" or self.reshape is not None
 
     @property
     def adds_coordinates(self) -> bool:

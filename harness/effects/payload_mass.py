@@ -53,6 +53,6 @@ EFFECT = Effect(
         "analytic": "closed form of the compound pendulum",
     },
     needs=("motion",),
-    confusable_with=("added_inertia", "com_offset", "clock_skew", "joint_stiffness"),
+    confusable_with=("added_inertia", "com_offset", "clock_skew", "joint_stiffness", "servo_gain", "servo_torque"),
     reshape=Reshape(_carry),
 )

@@ -36,6 +36,6 @@ EFFECT = Effect(
         "analytic": "closed form of the small swing",
     },
     needs=("motion",),
-    confusable_with=("quadratic_drag", "coulomb_friction", "sensor_gain", "modal_damping"),
+    confusable_with=("quadratic_drag", "coulomb_friction", "sensor_gain", "modal_damping", "servo_gain"),
     law=JointLaw(("damping",)),
 )

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.effects.attach import apply
+from harness.effects.attach import apply, input_part
 from harness.effects.catalogue import effect
 from harness.effects.directions import sideways
 from harness.engines.protocol import Array
@@ -228,9 +228,9 @@ def express(system: System) -> Expressed:
         if attachment.effect == "backlash" and "stiffness" in attachment.parameters:
             # The law of the play itself, as the drive side left it; there is nothing more to write into the system.
             plain = replace(plain, attachments=(*plain.attachments, attachment))
-        elif effect(attachment.effect).side == "dynamics":
+        elif effect(attachment.effect).in_mechanism:
             plain = apply(plain, attachment)
-    laws, plain = plain.attachments, replace(plain, attachments=())
+    laws, plain = tuple(a for a in plain.attachments if effect(a.effect).in_mechanism), replace(plain, attachments=())
     names = tuple(name for joint in plain.joints for name in joint.velocity_names)
     table = {name: np.zeros(len(names)) for name in JointForces.__dataclass_fields__ if name != "drives"}
     shaking = None
@@ -287,7 +287,7 @@ def realised(system: System) -> System:
 def described(system: System) -> System:
     """The system with its effects turned into fields of the description where there are such, all others attached."""
     found = realised(system)
-    outside = tuple(a for a in system.attachments if effect(a.effect).side != "dynamics")
+    outside = tuple(input_part(a) for a in system.attachments if effect(a.effect).side != "dynamics")
     return replace(found, attachments=(*found.attachments, *outside))
 
 

@@ -18,7 +18,14 @@ SENSOR_EFFECTS = (
     "sensor_offset", "sensor_gain", "sensor_delay", "sensor_lowpass", "sensor_highpass", "sensor_nonlinearity",
     "sensor_drift", "sensor_saturation", "sensor_hum", "sensor_zero", "clock_skew",
 )  # fmt: skip
-INPUT_EFFECTS = ("actuator_gain", "actuator_delay", "actuator_deadzone", "actuator_saturation")
+INPUT_EFFECTS = (
+    "actuator_gain",
+    "servo_gain",
+    "servo_torque",
+    "actuator_delay",
+    "actuator_deadzone",
+    "actuator_saturation",
+)
 NOT_EXPLAINED = ("unexplained", "partly_explained")
 AT_FLOOR = 1.2  # held-out residual over the noise floor that still counts as explained
 

@@ -60,6 +60,8 @@ WORDS = {
     "sensor_hum": {"amplitude": "channel", "frequency": "Hz"},
     "clock_skew": {"factor": "1"},
     "actuator_gain": {"gain": "1"},
+    "servo_gain": {"gain": "1"},
+    "servo_torque": {"gain": "1"},
     "actuator_delay": {"delay": "s"},
     "actuator_deadzone": {"width": "N*m"},
     "actuator_saturation": {"limit": "N*m"},

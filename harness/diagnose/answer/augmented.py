@@ -7,6 +7,8 @@ from dataclasses import replace
 
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.problem.hypothesis import Array, Candidate, Nominal, bent_by, scaled
+from harness.effects.attach import apply
+from harness.effects.catalogue import understood
 from harness.effects.room import STATED
 from harness.system import Attachment, System
 
@@ -42,6 +44,11 @@ def attached(system: System, further: Iterable[Attachment]) -> System:
     """The system with further attachments; what takes away from stated dissipation is another number in the model instead."""
     own = []
     for attachment in further:
+        law = understood().get(attachment.effect)
+        if law is not None and law.input is not None and law.reshape is not None:
+            # A file names no servo whose gain could be changed: its spring and damper are numbers of the joint's.
+            system = apply(system, attachment)
+            continue
         less = _less_than_stated(system, attachment)
         if less is None:
             own.append(attachment)

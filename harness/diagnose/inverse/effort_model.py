@@ -55,6 +55,8 @@ KNOWN = (
     "sensor_delay",
     "sensor_nonlinearity",
     "actuator_gain",
+    "servo_gain",
+    "servo_torque",
     "actuator_delay",
     "actuator_deadzone",
 )
@@ -96,7 +98,8 @@ class EffortModel:
             own = Attachment(member.effect.name, member.site, member.effect.named(x[span]))
             # Less than the model states of something is another number in the model, and not below nothing.
             less = own.effect in STATED and x[span][0] < 0.0
-            kind = laws if own.effect in LAWS and not less else inputs if member.effect.input is not None else others
+            arrives = member.effect.input is not None and member.effect.reshape is None
+            kind = laws if own.effect in LAWS and not less else inputs if arrives else others
             kind.append(own)
         attachments = (*self.system.attachments, *others)
         out = []

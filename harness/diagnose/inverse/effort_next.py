@@ -17,7 +17,7 @@ Pair = tuple[Candidate, Candidate]
 def next_experiment(pairs: Sequence[Pair], *, gravity: bool) -> dict[str, Any]:
     """The experiment that would part what cannot be told apart; gravity: whether it acts on the mechanism."""
     for pair in pairs:
-        if "actuator_gain" in _names(pair):
+        if {"actuator_gain", "servo_gain", "servo_torque"} & set(_names(pair)):
             return _parting(
                 pair,
                 "hang a known weight on the arm and record again: what it adds to the effort is known, "

@@ -195,6 +195,28 @@ class EffortStudy:
             return None
         return self.fits.get(hypothesis.identity) or self.fit(hypothesis, [np.concatenate(starts)])
 
+    def of_every_servo(self, base: EffortFit, ranked: Ranked, most: int) -> list[EffortFit]:
+        """Fits with a servo's effect at every joint that can have it, of all joints at once; one for each such effect.
+
+        Servos of an arm are mostly of one make, and off alike. With that of one joint alone, damping and loads are bent to make up
+        for the others.
+        """
+        kinds: dict[str, list[tuple[Candidate, Array]]] = {}
+        for _, candidate, start in ranked:
+            effect = candidate.effect
+            if effect.input is not None and effect.reshape is not None:
+                kinds.setdefault(effect.name, []).append((candidate, start))
+        out = []
+        for own in kinds.values():
+            hypothesis = base.hypothesis
+            for candidate, _ in own:
+                hypothesis = hypothesis.with_(candidate)
+            if len(own) > 1 and len(hypothesis.members) <= most:
+                start = np.concatenate([base.x, *(start for _, start in own)])
+                known = self.fits.get(hypothesis.identity)
+                out.append(known or fit_effort(self.data, hypothesis, start, calls=GLANCE_EVALUATIONS))
+        return out
+
     def extend(self, base: EffortFit, candidate: Candidate, start: Array) -> EffortFit:
         hypothesis = base.hypothesis.with_(candidate)
         known = self.fits.get(hypothesis.identity)
@@ -405,6 +427,7 @@ def search(
             together = study.at_every_joint(base, ranked, most)
             grown += [study.glance(base, candidate, start) for candidate, start in study.promising(base, ranked)]
             grown += [] if together is None else [together]
+            grown += study.of_every_servo(base, ranked, most)
         progress(f"efforts, {max((len(f.hypothesis.members) for f in grown), default=0)} effects")
         if not grown:
             break

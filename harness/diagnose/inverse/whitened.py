@@ -142,10 +142,12 @@ class Whitened:
                 less.append(own)
             elif own.effect in LAWS:
                 laws.append(own)
-            elif member.effect.input is not None:
-                inputs.append(own)
             else:
-                others.append(own)
+                # A servo's gain acts on what arrives and on what the mechanism needs.
+                if member.effect.input is not None:
+                    inputs.append(own)
+                if member.effect.input is None or member.effect.reshape is not None:
+                    others.append(own)
         nominal = x[: len(model.nominal)]
         torque = self._torque(nominal, others)
         motion = model.motion_key(others)

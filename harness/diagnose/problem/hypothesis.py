@@ -274,6 +274,8 @@ def compatible(hypothesis: Hypothesis, candidate: Candidate) -> bool:
             return False
         if member.effect.adds_coordinates and candidate.effect.adds_coordinates:
             return False
+        if member.site == candidate.site and _same_input(member.effect, candidate.effect):
+            return False
         if (
             member.effect.law is not None
             and candidate.effect.law is not None
@@ -282,6 +284,11 @@ def compatible(hypothesis: Hypothesis, candidate: Candidate) -> bool:
         ):
             return False
     return True
+
+
+def _same_input(one: Effect, other: Effect) -> bool:
+    """Whether two effects do the same to the effort of a joint: of their product neither has a share of its own."""
+    return one.input is not None and other.input is not None and one.input.apply is other.input.apply
 
 
 def dear(candidate: Candidate) -> bool:
