@@ -96,16 +96,27 @@ def test_dry_friction_is_named_from_efforts(system: System) -> None:
     assert fit["augmented"]["heldout_rmse"] < 0.25 * fit["nominal"]["heldout_rmse"]
 
 
-def test_what_repeats_without_each_recording_is_established(system: System) -> None:
-    found = diagnose([recorded(seed, friction=0.11) for seed in (3, 4, 7)], system, fit_effort=True)
+@pytest.mark.parametrize(
+    ("physics", "told", "number", "grade"),
+    [
+        ({"damping": 0.04}, "viscous_damping", "coefficient", "established"),
+        # Friction that falls with speed may be in its place.
+        ({"friction": 0.11}, "coulomb_friction", "torque", "likely"),
+    ],
+)
+def test_what_repeats_without_each_recording(
+    system: System, physics: dict[str, float], told: str, number: str, grade: str
+) -> None:
+    found = diagnose([recorded(seed, **physics) for seed in (3, 4, 7)], system, fit_effort=True)
     (finding,) = found.findings
-    assert (finding["effect"], finding["grade"]) == ("coulomb_friction", "established")
+    assert (finding["effect"], finding["grade"]) == (told, grade)
     rows = finding["repeatability"]
     assert [row["recording"] for row in rows] == ["run3", "run4", "run7"]
+    (true,) = physics.values()
     for row in rows:
-        low, high = row["parameters"]["torque"]["ci95"]
-        assert low < row["parameters"]["torque"]["value"] < high
-        assert row["parameters"]["torque"]["value"] == pytest.approx(0.11, rel=0.06)
+        low, high = row["parameters"][number]["ci95"]
+        assert low < row["parameters"][number]["value"] < high
+        assert row["parameters"][number]["value"] == pytest.approx(true, rel=0.06)
     assert found.explained_share == pytest.approx(1.0, abs=0.1)
 
 
