@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 from simulated_recordings import Rig, nominal, releases
 
-from harness.diagnose.claims.grades import no_smooth_force
+from harness.diagnose.claims import grades
+from harness.diagnose.claims.grades import no_firmer_than_its_law, no_smooth_force
 from harness.diagnose.diagnose import diagnose
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.inverse.effort_grades import _waves_seen
@@ -38,6 +39,38 @@ def test_a_piece_of_a_wave_is_any_smooth_force(waves: float, gain: float, whole:
     """Of Gaussian processes one in thousands looks like two waves that explain a hundred times what is left, or four that explain
     twenty times as much (``claims.constants.WAVE_RATIO``, where they were drawn)."""
     assert no_smooth_force(waves, gain, 1.0) is whole
+
+
+@pytest.mark.parametrize(("law", "told"), [("possible", "possible"), ("likely", "likely"), ("", "established")])
+def test_how_a_law_acts_is_no_firmer_than_the_law(law: str, told: str) -> None:
+    """A stop's inertia without a stop is nothing; beside a stop that the model states it stands by itself."""
+    claims: Any = {
+        f"{name}@wrist": SimpleNamespace(candidate=Candidate(effect(name), "wrist", References()))
+        for name in ("end_stop", "stop_inertia")
+    }
+    each = {"end_stop@wrist": law, "stop_inertia@wrist": "established"}
+    if not law:
+        del each["end_stop@wrist"], claims["end_stop@wrist"]
+    assert no_firmer_than_its_law(claims, each)["stop_inertia@wrist"] == told
+
+
+@pytest.mark.parametrize(
+    ("name", "waves", "any_force"),
+    [
+        ("cogging_torque", 0.9, True),
+        ("cogging_torque", 4.5, False),
+        ("encoder_interpolation", 0.9, False),
+        ("cubic_stiffness", 0.0, False),
+    ],
+)
+def test_a_piece_of_a_wave_beside_a_remainder_is_any_force(
+    monkeypatch: pytest.MonkeyPatch, name: str, waves: float, any_force: bool
+) -> None:
+    """An arm dropped under a draw of a smooth force was told cogging of two periods a turn, of which it had seen less than one."""
+    monkeypatch.setattr(grades, "waves_seen", lambda study, fitted, k: waves)
+    claim: Any = SimpleNamespace(candidate=SimpleNamespace(effect=effect(name)), index=0, gain=100.0)
+    conclusion: Any = SimpleNamespace(best=None, remains=SimpleNamespace(excess=1.0))
+    assert grades._any_smooth_force(cast(Any, SimpleNamespace(study=None)), conclusion, claim) is any_force
 
 
 @pytest.mark.slow

@@ -36,7 +36,16 @@ from harness.diagnose.answer.replay import Opening
 from harness.diagnose.answer.significant_digits import estimate
 from harness.diagnose.answer.zeros import Zero, zeros_of
 from harness.diagnose.claims.conclude import Conclusion
-from harness.diagnose.claims.grades import POSSIBLE, foretells, grade, loosened, repeatability, repeated, verdict_of
+from harness.diagnose.claims.grades import (
+    POSSIBLE,
+    foretells,
+    grade,
+    loosened,
+    no_firmer_than_its_law,
+    repeatability,
+    repeated,
+    verdict_of,
+)
 from harness.diagnose.criticism.check import Form
 from harness.diagnose.criticism.locate import Mismatch, locate
 from harness.diagnose.criticism.remainder import Remains
@@ -95,7 +104,8 @@ def answer(
     claims = {claim.candidate.key: claim for claim in conclusion.claims}
     again = {key: repeatability(outcome, how, key) for key in claims}
     foretold = deadline.attempt(*FORETOLD, lambda: foretells(outcome, conclusion), lambda: False, spared=True)
-    grades = {k: grade(outcome, conclusion, claim, values[k], again[k], foretold) for k, claim in claims.items()}
+    each = {k: grade(outcome, conclusion, claim, values[k], again[k], foretold) for k, claim in claims.items()}
+    grades = no_firmer_than_its_law(claims, each)
     # Beside laws that were not searched to the end, what each recording lacks of these would be friction of its own.
     between = (
         Between()

@@ -38,7 +38,7 @@ from harness.effects.scale import pull
 
 Array = NDArray[np.float64]
 
-ESTABLISHED, LIKELY, POSSIBLE = "established", "likely", "possible"
+FIRMEST_FIRST = ESTABLISHED, LIKELY, POSSIBLE = "established", "likely", "possible"
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,8 +134,8 @@ def grade(
 
     Where noise is all that is left: established; possible, if none of its numbers is known to a factor of ten (of two that only
     together do what the recordings ask for, neither is known to be there); where an error of a known shape is left, likely, or
-    possible if it may as well be absent, or is far larger than what it is named for ever is (a model that is far off bends
-    whatever can be bent).
+    possible if it may as well be absent, is far larger than what it is named for ever is (a model that is far off bends
+    whatever can be bent), or is a wave over the angle of which no more was seen than any smooth force looks like.
 
     Where the time was up before sets could be weighed beside the force that they leave out, possible, whatever they leave; or where
     free runs of what is told are no nearer to the data held out than those of the nominal model. Where it was up before all that
@@ -164,11 +164,8 @@ def grade(
             return POSSIBLE
         if not conclusion.remains.significant:
             return firmest
-        return (
-            POSSIBLE
-            if _beyond(BEYOND_BELIEF_RATIO, claim, values) or _may_be_absent(claim.candidate, values)
-            else LIKELY
-        )
+        unsure = _beyond(BEYOND_BELIEF_RATIO, claim, values) or _may_be_absent(claim.candidate, values)
+        return POSSIBLE if unsure or _any_smooth_force(outcome, conclusion, claim) else LIKELY
     if outcome.evidence is not None and (claim.of_class < SURE_PROBABILITY or not foretold):
         return POSSIBLE
     if (
@@ -179,7 +176,7 @@ def grade(
         return POSSIBLE
     itself = outcome.evidence is None or claim.probability >= SURE_PROBABILITY
     excess = conclusion.remains.excess
-    whole = no_smooth_force(waves_seen(outcome.study, conclusion.best, claim.index), claim.gain, excess)
+    whole = _is_a_wave(claim) and _seen_whole(outcome, conclusion, claim)
     found = beside_a_remainder(
         claim.candidate, values, rows, gain=claim.gain, excess=excess, itself=itself, whole=whole
     )
@@ -192,6 +189,16 @@ def _unasked(outcome: Outcome, conclusion: Conclusion, claim: Claim, values: Map
         return True
     study, best = outcome.study, conclusion.best
     return outcome.force is None and (study.stretched(best) or claim.gain < best.cost)
+
+
+def no_firmer_than_its_law(claims: Mapping[str, Claim], grades: Mapping[str, str]) -> dict[str, str]:
+    """Grades by key, of what only says how another law acts no firmer than that law's: without it, it is nothing."""
+    out = dict(grades)
+    for key, claim in claims.items():
+        member = claim.candidate
+        laws = [f"{name}@{member.site}" for name in member.effect.modifies]
+        out[key] = max([grades[key], *(grades[law] for law in laws if law in grades)], key=FIRMEST_FIRST.index)
+    return out
 
 
 def verdict_of(verdict: str, grades: Iterable[str]) -> str:
@@ -228,6 +235,23 @@ def beside_a_remainder(
     ]
     unknown = first is not None and _vague(first, values[first.name])
     return ESTABLISHED if stands and all(stands) and not unknown and itself else LIKELY
+
+
+def _any_smooth_force(outcome: Outcome, conclusion: Conclusion, claim: Claim) -> bool:
+    """Whether a claim is a force over the angle of which no more was seen than any smooth force looks like."""
+    force = claim.candidate.effect.law is not None
+    return force and _is_a_wave(claim) and not _seen_whole(outcome, conclusion, claim)
+
+
+def _is_a_wave(claim: Claim) -> bool:
+    """Whether it is one over an angle."""
+    return "periods" in claim.candidate.effect.parameter_names
+
+
+def _seen_whole(outcome: Outcome, conclusion: Conclusion, claim: Claim) -> bool:
+    """Whether more of it was seen than any smooth force looks like."""
+    waves = waves_seen(outcome.study, conclusion.best, claim.index)
+    return no_smooth_force(waves, claim.gain, conclusion.remains.excess)
 
 
 def no_smooth_force(waves: float, gain: float, excess: float) -> bool:
