@@ -48,7 +48,8 @@ def test_a_link_that_bends_pays_for_how_it_began() -> None:
     start = np.concatenate([nothing, to_internal(link, np.array([9.0, 0.01]))])
     bent = study.fit(Hypothesis((link,)), [start], None, most_steps=1)
     assert 2.0 < bent.vibrating <= 8.0
-    price = study.price(link) + VIBRATION_PRICE * bent.vibrating
+    # And for how unusual its frequency and damping are.
+    price = study.price(link) + VIBRATION_PRICE * bent.vibrating + study.surprise(bent)
     assert study.criterion(bent) == pytest.approx(bent.score + price, abs=1e-6)
     start = np.concatenate([nothing, to_internal(damping, np.array([1e-5]))])
     assert study.fit(Hypothesis((damping,)), [start], None, most_steps=1).vibrating == 0.0
