@@ -60,20 +60,22 @@ def test_only_what_may_matter_is_fitted(gain: float, fitted: list[str]) -> None:
     assert begun == fitted
 
 
-@pytest.mark.parametrize(("size", "kept"), [(0.5, 1), (1.5, 1), (2.5, 2)])
+@pytest.mark.parametrize(
+    ("size", "deviation", "kept"), [(0.5, 1.0, 1), (1.5, 1.0, 1), (2.5, 1.0, 2), (0.5, np.nan, 2), (0.5, np.inf, 2)]
+)
 def test_a_member_that_is_as_good_as_absent_is_left_out(
-    monkeypatch: pytest.MonkeyPatch, size: float, kept: int
+    monkeypatch: pytest.MonkeyPatch, size: float, deviation: float, kept: int
 ) -> None:
-    """Two laws beside a force: one sure, one so many deviations from nothing."""
+    """Two laws beside a force: one sure, one so many deviations from nothing, if these are known."""
     runs = releases(Rig(), (0.5,), 1e-3, seed=1, duration=3.0, rate=50.0)
     laws = [c for c in candidates(nominal(), runs) if c.effect.name in ("constant_torque", "coulomb_friction")]
     hypothesis = Hypothesis(tuple(sorted(laws, key=lambda c: c.key)))
-    x, spread = np.array([size, 9.0]), np.ones(2)
+    x, spread = np.array([size, 9.0]), np.array([deviation, 1.0])
 
     def reduced(base: Any, k: int) -> Any:
         return SimpleNamespace(hypothesis=base.hypothesis.without(k), x=np.delete(base.x, k))
 
-    evidence = SimpleNamespace(beside=lambda study, f: SimpleNamespace(x=f.x, spread=spread[: len(f.x)]))
+    evidence = SimpleNamespace(beside=lambda study, f: SimpleNamespace(x=f.x, spread=spread[-len(f.x) :]))
     monkeypatch.setattr(idle, "from_internal", lambda member, values: values)
     outcome = SimpleNamespace(
         evidence=evidence, study=SimpleNamespace(reduce=reduced), predictor=SimpleNamespace(nominal=())

@@ -27,12 +27,14 @@ def without_idle(outcome: Outcome, best: Fit) -> Fit:
 
 
 def _off(outcome: Outcome, evidence: Evidence, best: Fit, k: int) -> float:
-    """How far a member's first number is from its absence, in halves of its interval; infinite where there is no such number."""
+    """How far a member's first number is from its absence, in halves of its interval; infinite where that is not known."""
     member, found = best.hypothesis.members[k], evidence.beside(outcome.study, best)
     if not member.effect.parameters or not np.isfinite(neutral := member.effect.parameters[0].neutral):
         return np.inf
     count, span = len(outcome.predictor.nominal), best.hypothesis.span(k)
     own, spread = found.x[count:][span], found.spread[count:][span]
+    if not np.isfinite(spread[0]):
+        return np.inf  # where the force was not fitted beside it, nothing is known
     sides = np.zeros((3, len(own)))
     sides[:, 0] = np.array([-NORMAL_95, 0.0, NORMAL_95]) * spread[0]
     low, value, high = (float(from_internal(member, own + side)[0]) for side in sides)
