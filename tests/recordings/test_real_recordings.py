@@ -136,7 +136,9 @@ def test_diagnosis_replaces_viscous_damping_by_friction_and_drag() -> None:
         folder / "model.urdf",
         only=few,
     )
-    assert found.verdict == "partly_explained"
+    # A smooth force of a thousandth of the weight's torque could do the same, so that all three are possible and no more.
+    assert found.verdict == "unexplained"
+    assert {f["grade"] for f in found.findings} == {"possible"}
     by_name = {f["effect"]: f["parameters"] for f in found.findings}
     # The peer has no error of the zero; beside one, which is even in the angle, dry friction comes out an eighth larger.
     assert {"viscous_damping", "coulomb_friction", "quadratic_drag"} <= set(by_name)
