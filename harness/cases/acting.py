@@ -14,11 +14,9 @@ from harness.system import Actuator, Joint, Keyframe, Stops, System
 from harness.system.actuated import sprung
 from harness.system.lowering import followed
 from harness.system.magnitudes import check_start
-from harness.system.soft_constraints import FAR, limit_law
+from harness.system.soft_constraints import FAR, SOLIMP, SOLREF, limit_law
 from harness.system.suggest import did_you_mean
 
-# MuJoCo's defaults, solreflimit and solimplimit, for files that do not say how soft a limit is.
-_SOLREF, _SOLIMP = (0.02, 1.0), (0.9, 0.95)
 SAME_PLACE = 1e-6  # [rad or m], of what files round
 
 
@@ -136,7 +134,7 @@ def bounded(system: System, only: Collection[str] | None = None) -> System:
             model = Denoc(system)
             inverse = np.linalg.inv(model.mass_matrix(model.neutral))
         k = system.coordinate_names.index(joint.name)
-        law = limit_law(_SOLREF, _SOLIMP, float(inverse[k, k]))
+        law = limit_law(SOLREF, SOLIMP[:2], float(inverse[k, k]))
         stops.append(Stops(joint.name, *ends, *law))
     return replace(system, stops=tuple(stops))
 

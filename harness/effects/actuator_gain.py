@@ -1,27 +1,15 @@
 """A drive that gives more or less than is recorded: a wrong torque constant, a wrong gear ratio."""
 
-from harness.effects.effect import Effect, Family, Input, Parameter, Plausible, SiteKind
+from harness.effects.drive_gain import drive_gain
+from harness.effects.effect import Effect, Family, Input, SiteKind
 from harness.effects.measurement import gain
-from harness.effects.scale import Scale
 
 EFFECT = Effect(
     name="actuator_gain",
     title="actuator gain",
     family=Family.INPUT,
     site=SiteKind.JOINT,
-    parameters=(
-        Parameter(
-            "gain",
-            "1",
-            "effort that arrives over effort recorded",
-            lower=0.01,
-            upper=100.0,
-            neutral=1.0,
-            scale=Scale(0.05),
-            starts=(1.0, -1.0, 6.0, -6.0),
-            plausible=Plausible(Scale(0.1), "torque constants of motors, 10 % by their data sheets"),
-        ),
-    ),
+    parameters=(drive_gain("effort that arrives over effort recorded"),),
     signature="The response to the drive is too large or too small by one factor; free motion is as modelled.",
     shows_in="driven motion",
     source="Siciliano et al., Robotics: Modelling, Planning and Control (2009), ch. 5: drives and their torque "

@@ -13,8 +13,8 @@ from harness.system import Attachment, Joint, System
 from harness.system.closure import pins
 from harness.system.suggest import did_you_mean
 
-# Laws that the description of a joint has fields for.
 GAIN = "actuator_gain"  # what is left of a servo's gain once its feedback is in the description
+# Laws that the description of a joint has fields for.
 JOINT_FIELDS = ("viscous_damping", "coulomb_friction", "joint_stiffness")
 
 
@@ -33,7 +33,7 @@ def apply(system: System, attachment: Attachment) -> System:
     values = law.named(law.values(attachment.parameters))
     if law.reshape is not None:
         changed = law.reshape.change(system, attachment.site, values)
-        if law.input is None:
+        if not law.of_servo:
             return changed
         # Of what is commanded no field of the description says how much arrives.
         return replace(changed, attachments=(*changed.attachments, input_part(replace(attachment, parameters=values))))
@@ -52,8 +52,7 @@ def apply(system: System, attachment: Attachment) -> System:
 
 def input_part(attachment: Attachment) -> Attachment:
     """What is left to attach once the mechanism has its share: of a servo's gain, that of what is commanded."""
-    law = effect(attachment.effect)
-    return replace(attachment, effect=GAIN) if law.input is not None and law.reshape is not None else attachment
+    return replace(attachment, effect=GAIN) if effect(attachment.effect).of_servo else attachment
 
 
 def _in_space(system: System, site: str, law: str, values: Mapping[str, float]) -> System:

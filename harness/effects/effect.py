@@ -279,8 +279,7 @@ class Effect:
 
     def __post_init__(self) -> None:
         given = [m for m in (self.law, self.reshape, self.sensor, self.input, self.user) if m is not None]
-        both = self.reshape is not None and self.input is not None
-        if len(given) != 1 + both:
+        if len(given) != 1 + self.of_servo:
             raise ValueError(f"effect {self.name!r} states {len(given)} mechanisms; exactly one is needed")
 
     @property
@@ -289,6 +288,11 @@ class Effect:
         if self.sensor is not None:
             return "sensor"
         return "input" if self.input is not None else "dynamics"
+
+    @property
+    def of_servo(self) -> bool:
+        """Whether it is of a drive whose feedback it reshapes as it changes what the command makes arrive."""
+        return self.reshape is not None and self.input is not None
 
     @property
     def in_mechanism(self) -> bool:

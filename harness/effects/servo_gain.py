@@ -1,6 +1,7 @@
 """A servo that is stiffer or softer than its data say: it answers its command and its own position by one gain."""
 
-from harness.effects.effect import Effect, Family, Input, Parameter, Plausible, Reshape, SiteKind
+from harness.effects.drive_gain import drive_gain
+from harness.effects.effect import Effect, Family, Input, Plausible, Reshape, SiteKind
 from harness.effects.measurement import gain
 from harness.effects.scale import Scale
 from harness.effects.servos import stiffer
@@ -11,16 +12,9 @@ EFFECT = Effect(
     family=Family.INPUT,
     site=SiteKind.JOINT,
     parameters=(
-        Parameter(
-            "gain",
-            "1",
+        drive_gain(
             "stiffness of the servo, by which it answers command and position alike, over what the model says",
-            lower=0.01,
-            upper=100.0,
-            neutral=1.0,
-            scale=Scale(0.05),
-            starts=(1.0, -1.0, 6.0, -6.0),
-            plausible=Plausible(
+            Plausible(
                 Scale(0.15), "gain of the loop, supply voltage and resistance are in it, each known to some 10 %"
             ),
         ),

@@ -1,8 +1,8 @@
 """A servo that gives more or less torque than its data say, whatever it answers."""
 
-from harness.effects.effect import Effect, Family, Input, Parameter, Plausible, Reshape, SiteKind
+from harness.effects.drive_gain import drive_gain
+from harness.effects.effect import Effect, Family, Input, Reshape, SiteKind
 from harness.effects.measurement import gain
-from harness.effects.scale import Scale
 from harness.effects.servos import stronger
 
 EFFECT = Effect(
@@ -10,19 +10,7 @@ EFFECT = Effect(
     title="servo torque off",
     family=Family.INPUT,
     site=SiteKind.JOINT,
-    parameters=(
-        Parameter(
-            "gain",
-            "1",
-            "torque of the servo, its damping included, over what the model says",
-            lower=0.01,
-            upper=100.0,
-            neutral=1.0,
-            scale=Scale(0.05),
-            starts=(1.0, -1.0, 6.0, -6.0),
-            plausible=Plausible(Scale(0.1), "torque constants of motors, 10 % by their data sheets"),
-        ),
-    ),
+    parameters=(drive_gain("torque of the servo, its damping included, over what the model says"),),
     signature="The joint answers its command as under a lighter or a heavier load, with its friction smaller or larger by the "
     "same factor.",
     shows_in="motion under recorded commands that change fast, or that hold a weight",

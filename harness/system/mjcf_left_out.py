@@ -17,6 +17,11 @@ def disabled(model: Any, what: str) -> bool:
     return bool(model.opt.disableflags & int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{what}")))
 
 
+def rubs(model: Any) -> bool:
+    """Whether the file lets dry friction act."""
+    return not (disabled(model, "FRICTIONLOSS") or disabled(model, "CONSTRAINT"))
+
+
 def left_out(model: Any, kept: Container[int] = ()) -> list[str]:
     """Constraints (but equalities ``kept``), tendons, contacts, compensation and the fluid; joints and actuators tell their own."""
     constrained = not disabled(model, "CONSTRAINT")

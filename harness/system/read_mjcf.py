@@ -33,7 +33,7 @@ from harness.system.mjcf_actuators import actuators, reflected
 from harness.system.mjcf_equalities import mimics
 from harness.system.mjcf_files import Places, places, take_out_shapes, unique
 from harness.system.mjcf_keyframes import unusable, written
-from harness.system.mjcf_left_out import compensation, disabled, left_out, uniform_compensation
+from harness.system.mjcf_left_out import compensation, disabled, left_out, rubs, uniform_compensation
 from harness.system.mjcf_limits import act, ends, margins, stops
 from harness.system.mjcf_loops import loops
 from harness.system.mjcf_trial import GROWING, try_apart
@@ -348,7 +348,7 @@ def _joint_in_space(
         notes.append(f"joint {name!r}: its dry friction {float(model.dof_frictionloss[dof]):g} is left out")
     if np.any(model.dof_dampingpoly[dof]) and not disabled(model, "DAMPER"):
         notes.append(f"joint {name!r}: its damping beyond linear is left out")
-    if model.jnt_limited[k] and not (disabled(model, "LIMIT") or disabled(model, "CONSTRAINT")):
+    if model.jnt_limited[k] and act(model):
         notes.append(f"joint {name!r}: its limit of {float(model.jnt_range[k, 1]):g} rad is left out")
     return Joint(
         name,
@@ -377,7 +377,7 @@ def _joint(model: Any, k: int, name: str, parent: str, child: str, place: Array,
     lower, upper = ends(model, k)
     force_limited = bool(model.jnt_actfrclimited[k])
     springs, dampers = not disabled(model, "SPRING"), not disabled(model, "DAMPER")
-    dry = not (disabled(model, "FRICTIONLOSS") or disabled(model, "CONSTRAINT"))
+    dry = rubs(model)
     driven = reflected(model, k)
     return Joint(
         name,
@@ -425,7 +425,7 @@ def _joint_laws(model: Any, k: int, name: str, notes: list[str]) -> list[Attachm
                 f"joint {name!r}: its stiffness {square:g} x², x = position - {slack:g}, pulls to one side alone, whichever side "
                 "x is on; it acts so"
             )
-    dry = model.dof_frictionloss[dof] and not (disabled(model, "FRICTIONLOSS") or disabled(model, "CONSTRAINT"))
+    dry = rubs(model) and model.dof_frictionloss[dof]
     if dry and not as_soft_as_by_default(model.dof_solref[dof], model.dof_solimp[dof]):
         notes.append(
             f"joint {name!r}: how soft its dry friction is (solreffriction, solimpfriction) is left out: it sticks here"

@@ -16,7 +16,7 @@ from harness.system.description import System
 FAR = 1e6
 
 # MuJoCo's defaults of ``solref`` and ``solimp``.
-_SOLREF, _SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)
+SOLREF, SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)
 
 Solver = tuple[tuple[float, float], float]
 """``solref``, and the impedance that is the first two numbers of ``solimp``."""
@@ -69,7 +69,7 @@ def limit_law(solref: tuple[float, float], solimp: tuple[float, float], invweigh
 
 def as_soft_as_by_default(solref: Iterable[float], solimp: Iterable[float]) -> bool:
     """Whether a constraint's solver parameters are those that MuJoCo gives where a file states none."""
-    return tuple(solref) == _SOLREF and tuple(solimp) == _SOLIMP
+    return tuple(solref) == SOLREF and tuple(solimp) == SOLIMP
 
 
 def limits(stop: Mapping[str, float]) -> tuple[float, float]:

@@ -8,11 +8,11 @@ import stat
 import subprocess
 import sys
 import threading
+from pathlib import Path
 
 import pytest
 
 from harness.cli.main import status_of
-from harness.errors import InputError
 from harness.whole_files import staged, write_whole
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="devices and pipes of Unix")
@@ -35,14 +35,20 @@ def test_a_pipe_is_written_to(pipe):
     assert stat.S_ISFIFO(pipe.stat().st_mode)
 
 
+def node(path: Path, minor: int) -> Path:
+    """One of Linux's memory devices; skips where only root may make nodes, or the file system opens none."""
+    try:
+        os.mknod(path, 0o666 | stat.S_IFCHR, os.makedev(1, minor))
+        path.open("wb").close()
+    except PermissionError:
+        pytest.skip("no devices here")
+    return path
+
+
 def test_a_device_stays_a_device(tmp_path):
     """By a node of its own where the tests may make one, for what went wrong took the machine's away."""
-    device = tmp_path / "null"
-    try:
-        os.mknod(device, 0o666 | stat.S_IFCHR, os.makedev(1, 3))
-        write_whole(device, "nothing")
-    except (PermissionError, InputError):  # only root may make nodes, and some file systems have none
-        pytest.skip("no devices here")
+    device = node(tmp_path / "null", 3)
+    write_whole(device, "nothing")
     assert stat.S_ISCHR(device.stat().st_mode)
 
 
@@ -81,11 +87,7 @@ def test_json_to_the_standard_output_by_its_name(tmp_path):
 
 
 def test_a_full_device_is_one_line(tmp_path, capsys):
-    full = tmp_path / "full"
-    try:
-        os.mknod(full, 0o666 | stat.S_IFCHR, os.makedev(1, 7))
-    except PermissionError:
-        pytest.skip("no devices here")
+    full = node(tmp_path / "full", 7)
     assert status_of(["audit", "models/urdf/rigid_pendulum.urdf", "--json", str(full)]) == 2
     (line,) = capsys.readouterr().err.strip().splitlines()
     assert "cannot be written" in line and "make room" in line

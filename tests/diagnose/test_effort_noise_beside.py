@@ -20,11 +20,14 @@ def driven(seed: int, late: float) -> Recording:
     frequency, phase = np.array([0.4, 1.3, 2.1, 3.0]), rng.uniform(0.0, 2.0 * np.pi, 4)
     size = np.array([0.35, 0.2, 0.2, 0.2])
 
-    def torque(t: np.ndarray) -> np.ndarray:
+    def torque(t: np.ndarray | float) -> np.ndarray:
         return np.sin(2.0 * np.pi * np.multiply.outer(t, frequency) + phase) @ size
 
     time = np.arange(0.0, 12.0, 0.005)
-    rate = lambda t, y: [y[1], (torque(t - late) - rig.viscous * y[1] - rig.moment * np.sin(y[0])) / rig.about_joint]  # noqa: E731
+
+    def rate(t: float, y: np.ndarray) -> list[float]:
+        return [y[1], (torque(t - late) - rig.viscous * y[1] - rig.moment * np.sin(y[0])) / rig.about_joint]
+
     angle = solve_ivp(rate, (0.0, time[-1]), [0.0, 0.0], method="DOP853", rtol=1e-9, atol=1e-11, t_eval=time).y[0]
     columns = {
         "pivot.position": angle + 2e-4 * rng.standard_normal(len(time)),

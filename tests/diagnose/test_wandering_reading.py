@@ -56,6 +56,13 @@ def test_it_is_told_as_what_it_is(course: Course) -> None:
     assert {(place["side"], place["site"]) for place in found.mismatch} == {("sensor", "pivot.position")}
 
 
+def test_a_random_walk_is_no_effect() -> None:
+    """Whatever it is told as, nothing is named for it."""
+    found = _told(Rig(), _random_walk, 11)
+    assert found.verdict == "unexplained"
+    assert not [f for f in found.findings if f["grade"] != "possible"]
+
+
 def test_it_is_not_seen_in_white_noise() -> None:
     found = _told(Rig(viscous=0.004), _nowhere, 12)
     assert [f["effect"] for f in found.findings] == ["viscous_damping"]

@@ -45,7 +45,7 @@ def attached(system: System, further: Iterable[Attachment]) -> System:
     own = []
     for attachment in further:
         law = understood().get(attachment.effect)
-        if law is not None and law.input is not None and law.reshape is not None:
+        if law is not None and law.of_servo:
             # A file names no servo whose gain could be changed: its spring and damper are numbers of the joint's.
             system = apply(system, attachment)
             continue

@@ -35,9 +35,8 @@ class Posterior:
 def weighed(outcome: Outcome, *, at_hand: bool = False) -> list[tuple[float, Fit]]:
     """The sets that were fitted, each with its share of the posterior; beside a force over the state, where there is one.
 
-    Laws that were chosen among many places are pieces of such a force unless whole waves of them were seen, and sets with them none
-    of their own. at_hand: only
-    those that have been looked at beside that force, so that no run is needed.
+    Laws that were chosen among many places are pieces of such a force unless whole waves of them were seen, and sets with them
+    none of their own. at_hand: only those that have been looked at beside that force, so that no run is needed.
     """
     study, evidence = outcome.study, outcome.evidence
     fits = list(study.fits.values())

@@ -122,13 +122,16 @@ def diagnose_effort(
         nonlocal study
         study = other
 
+    def searched() -> EffortFit:
+        return deadline.attempt(
+            *UNSEARCHED, lambda: search_either_way(smooth, turned, tell, told_of), lambda: study.best()
+        )
+
     try:
         with deadline.spared():
             study.fit(Hypothesis(), [np.zeros(study.nominal)])
         turned = EffortStudy(data.recorded(beside[0]), judged.recorded(beside[1]), known, traces=smooth.traces)
-        best = deadline.attempt(
-            *UNSEARCHED, lambda: search_either_way(smooth, turned, tell, told_of), lambda: study.best()
-        )
+        best = searched()
         noises = _noises_beside(system, study.data, best)
         if noises is not None:
             tell("noise of the efforts beside what was found")
@@ -137,9 +140,7 @@ def diagnose_effort(
             with deadline.spared():
                 study.fit(Hypothesis(), [np.zeros(study.nominal)])
                 study.fit(best.hypothesis, [best.x])
-            best = deadline.attempt(
-                *UNSEARCHED, lambda: search_either_way(smooth, turned, tell, told_of), lambda: study.best()
-            )
+            best = searched()
         deadline.begin(Stage.CRITICISM)
         # Where the time may be up before every member is judged by a fit without it, what stands without a doubt comes first.
         sure = (
@@ -262,19 +263,24 @@ def _noises_beside(system: System, data: EffortData, best: EffortFit) -> tuple[E
     Ordinary torques know no late or clipped drive, and what those make was taken for noise as long as nothing had named it.
     """
     residuals = data.model.residuals(best.hypothesis, best.x)
-    found = list(data.noises)
-    for j in data.joints:
+
+    def far_below(j: int) -> bool:
         left = data.plain(residuals, j)
-        if not len(left) or float(np.mean(left**2)) >= (FAR_BELOW_NOISE * data.noises[j].std) ** 2:
-            continue
+        return bool(len(left)) and float(np.mean(left**2)) < (FAR_BELOW_NOISE * data.noises[j].std) ** 2
+
+    quiet = [j for j in data.joints if far_below(j)]
+    if not quiet:
+        return None
+    found, links = list(data.noises), link_terms(system, data.model.runs)
+    for j in quiet:
         mine = [k for k, run in enumerate(data.model.runs) if run.driven[j] and data.grids[k].samples]
         runs = [replace(data.model.runs[k], effort=residuals[k]) for k in mine]
-        rest = ordinary_torque(system, runs, j, link_terms(system, runs)).left
+        rest = ordinary_torque(system, runs, j, [links[k] for k in mine]).left
         pieces = _pieces(
             [(run, data.grids[k], own) for run, k, own in zip(runs, mine, rest, strict=True)], j, data.noises[j].dry
         )
         found[j] = effort_noise(pieces, data.noises[j].dry)
-    return tuple(found) if any(new is not old for new, old in zip(found, data.noises, strict=True)) else None
+    return tuple(found)
 
 
 def _pieces(mine: Sequence[tuple[EffortRun, Grid, Array]], j: int, dry: float) -> list[Array]:

@@ -115,7 +115,7 @@ class EffortData:
             if m.effect.name not in LAWS
         ]
         inputs = [one for m, one in beside if m.effect.input is not None]
-        others = [one for m, one in beside if m.effect.input is None or m.effect.reshape is not None]
+        others = [one for m, one in beside if m.effect.input is None or m.effect.of_servo]
         own, moved = (Attachment(law.effect.name, law.site, law.effect.named(y[span])) for y in (x, there))
         return self.whitened.law_change(own, moved, inputs, others) / step
 

@@ -98,7 +98,7 @@ class EffortModel:
             own = Attachment(member.effect.name, member.site, member.effect.named(x[span]))
             # Less than the model states of something is another number in the model, and not below nothing.
             less = own.effect in STATED and x[span][0] < 0.0
-            arrives = member.effect.input is not None and member.effect.reshape is None
+            arrives = member.effect.input is not None and not member.effect.of_servo
             kind = laws if own.effect in LAWS and not less else inputs if arrives else others
             kind.append(own)
         attachments = (*self.system.attachments, *others)

@@ -203,30 +203,24 @@ class EffortStudy:
         """
         kinds: dict[str, list[tuple[Candidate, Array]]] = {}
         for _, candidate, start in ranked:
-            effect = candidate.effect
-            if effect.input is not None and effect.reshape is not None:
-                kinds.setdefault(effect.name, []).append((candidate, start))
-        out = []
-        for own in kinds.values():
-            hypothesis = base.hypothesis
-            for candidate, _ in own:
-                hypothesis = hypothesis.with_(candidate)
-            if len(own) > 1 and len(hypothesis.members) <= most:
-                start = np.concatenate([base.x, *(start for _, start in own)])
-                known = self.fits.get(hypothesis.identity)
-                out.append(known or fit_effort(self.data, hypothesis, start, calls=GLANCE_EVALUATIONS))
-        return out
+            if candidate.effect.of_servo:
+                kinds.setdefault(candidate.effect.name, []).append((candidate, start))
+        room = most - len(base.hypothesis.members)
+        return [self.glance(base, *own) for own in kinds.values() if 1 < len(own) <= room]
 
     def extend(self, base: EffortFit, candidate: Candidate, start: Array) -> EffortFit:
         hypothesis = base.hypothesis.with_(candidate)
         known = self.fits.get(hypothesis.identity)
         return known or self.fit(hypothesis, [np.concatenate([base.x, start])])
 
-    def glance(self, base: EffortFit, candidate: Candidate, start: Array) -> EffortFit:
-        """Where a few evaluations take ``base`` with one more effect; the fit where it is known."""
-        hypothesis = base.hypothesis.with_(candidate)
+    def glance(self, base: EffortFit, *added: tuple[Candidate, Array]) -> EffortFit:
+        """Where a few evaluations take ``base`` with more effects, begun from a start each; the fit where it is known."""
+        hypothesis = base.hypothesis
+        for candidate, _ in added:
+            hypothesis = hypothesis.with_(candidate)
+        start = np.concatenate([base.x, *(own for _, own in added)])
         known = self.fits.get(hypothesis.identity)
-        return known or fit_effort(self.data, hypothesis, np.concatenate([base.x, start]), calls=GLANCE_EVALUATIONS)
+        return known or fit_effort(self.data, hypothesis, start, calls=GLANCE_EVALUATIONS)
 
     def reduce(self, base: EffortFit, k: int) -> EffortFit:
         """The best fit known of anything within ``base`` less member ``k``."""
@@ -287,7 +281,7 @@ class EffortStudy:
                 continue
             hypothesis = without.hypothesis.with_(candidate)
             if hypothesis.identity not in self.fits:
-                seen = self.glance(without, candidate, start)
+                seen = self.glance(without, (candidate, start))
                 if self.criterion(seen) > self.criterion(best) + hopeless:
                     continue
                 start = seen.x[self.nominal + without.hypothesis.size :]
@@ -425,7 +419,7 @@ def search(
         for base in beam:
             ranked = study.ranked(base)
             together = study.at_every_joint(base, ranked, most)
-            grown += [study.glance(base, candidate, start) for candidate, start in study.promising(base, ranked)]
+            grown += [study.glance(base, added) for added in study.promising(base, ranked)]
             grown += [] if together is None else [together]
             grown += study.of_every_servo(base, ranked, most)
         progress(f"efforts, {max((len(f.hypothesis.members) for f in grown), default=0)} effects")

@@ -146,7 +146,7 @@ class Whitened:
                 # A servo's gain acts on what arrives and on what the mechanism needs.
                 if member.effect.input is not None:
                     inputs.append(own)
-                if member.effect.input is None or member.effect.reshape is not None:
+                if member.effect.input is None or member.effect.of_servo:
                     others.append(own)
         nominal = x[: len(model.nominal)]
         torque = self._torque(nominal, others)

@@ -213,8 +213,11 @@ def visited(study: Study, member: Candidate) -> float:
 
 def piece_of_a_force(study: Study, fitted: Fit) -> bool:
     """Whether a set has a law that was chosen among many places and of which too little was seen to be more than that."""
-    members = enumerate(fitted.hypothesis.members)
-    return any(placed(member) and waves_seen(study, fitted, k) < FEWEST_WAVES for k, member in members)
+    return any(_is_a_piece(study, fitted, k) for k in range(len(fitted.hypothesis.members)))
+
+
+def _is_a_piece(study: Study, fitted: Fit, k: int) -> bool:
+    return placed(fitted.hypothesis.members[k]) and waves_seen(study, fitted, k) < FEWEST_WAVES
 
 
 def without_placed(study: Study, fitted: Fit) -> Fit:
@@ -223,11 +226,7 @@ def without_placed(study: Study, fitted: Fit) -> Fit:
     One of the places always fits some of what any force does, and recordings of one rig repeat that. Less than a whole wave is a
     piece of any smooth curve; waves that were seen whole stay.
     """
-    kept = [
-        k
-        for k, member in enumerate(fitted.hypothesis.members)
-        if not placed(member) or waves_seen(study, fitted, k) >= FEWEST_WAVES
-    ]
+    kept = [k for k in range(len(fitted.hypothesis.members)) if not _is_a_piece(study, fitted, k)]
     if len(kept) == len(fitted.hypothesis.members):
         return fitted
     hypothesis = Hypothesis(tuple(fitted.hypothesis.members[k] for k in kept))

@@ -18,7 +18,7 @@ from harness.errors import InputError, UnsupportedError
 from harness.system import System
 from harness.system.inertia import combine
 from harness.system.lowering import neutral_position
-from harness.system.mjcf_left_out import disabled
+from harness.system.mjcf_left_out import disabled, rubs
 from harness.system.mjcf_limits import ends
 from harness.system.read_mjcf import compiled, names_of_joints
 
@@ -115,7 +115,7 @@ class MujocoReading:
         found = {}
         model = self.model
         springs, dampers = not disabled(model, "SPRING"), not disabled(model, "DAMPER")
-        dry = not (disabled(model, "FRICTIONLOSS") or disabled(model, "CONSTRAINT"))
+        dry = rubs(model)
         for name, k in zip(self.names, self.joints, strict=True):
             at = int(model.jnt_dofadr[k])
             values = {"stiffness": float(model.jnt_stiffness[k]) if springs else 0.0}
