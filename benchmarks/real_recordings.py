@@ -23,7 +23,8 @@ import numpy as np
 import harness
 from harness.compare.peers.sysid import REAL, fit_sysid
 from harness.diagnose.conditioning.free_motion import free_parts
-from harness.diagnose.inverse.effort_motion import cutoff_for, effort_run
+from harness.diagnose.inverse.band import cutoff_for
+from harness.diagnose.inverse.effort_motion import effort_run
 from harness.diagnose.inverse.pushes import find_pushes
 from harness.diagnose.problem.problem import pose
 from harness.effects import apply, load_user_effects

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from harness.denoc.model import Denoc
-from harness.diagnose.inverse.effort_motion import cutoff_for, effort_run
+from harness.diagnose.inverse.band import cutoff_for
+from harness.diagnose.inverse.effort_motion import effort_run
 from harness.effects.scale import references
 from harness.recording import read_recordings
 from harness.recording.recording import Channel

@@ -13,8 +13,9 @@ from driven_arm import COM, INERTIA, MASS, URDF, arm
 
 from harness.diagnose.diagnose import diagnose
 from harness.diagnose.inverse import effort
+from harness.diagnose.inverse.band import cutoff_for, motion_noise
 from harness.diagnose.inverse.effort_left import _memory
-from harness.diagnose.inverse.effort_motion import cutoff_for, effort_run, motion_noise
+from harness.diagnose.inverse.effort_motion import effort_run
 from harness.diagnose.inverse.pushes import find_pushes
 from harness.errors import InputError
 from harness.recording import Recording
@@ -280,6 +281,6 @@ def test_the_right_joint_of_two_is_named(tmp_path: Path) -> None:
 
 def test_too_little_motion_for_the_smoothing_is_a_line(system, monkeypatch):
     """Two periods at either end are left out: at 0.2 Hz nothing is left of 16 s."""
-    monkeypatch.setattr(effort, "cutoff_for", lambda *_: 0.2)
+    monkeypatch.setattr(effort, "band", lambda *_: 0.2)
     with pytest.raises(InputError, match="nothing can be compared"):
         diagnose([recorded(1), recorded(2)], model=system, fit_effort=True)

@@ -80,6 +80,24 @@ def test_an_end_of_the_way_is_told_as_beyond() -> None:
     assert found is not None and found.where.startswith("above 0.")
 
 
+def test_what_sets_in_and_what_passes_is_told_by_when() -> None:
+    rng = np.random.default_rng(5)
+    time = np.arange(0.0, 10.0, 0.01)
+    q, qd = np.sin(2.0 * np.pi * time), 2.0 * np.pi * np.cos(2.0 * np.pi * time)
+
+    def part(run: int, acting: np.ndarray) -> LeftForce:
+        return LeftForce("first", run, time, q, qd, acting + 0.05 * rng.standard_normal(len(time)), 0.02)
+
+    still = np.zeros(len(time))
+    off = place_of(arm(), ["a", "b"], [part(0, still), part(1, np.where(time > 5.3, 1.0, 0.0))])
+    assert off is not None and off.where.startswith("after 5.") and off.where.endswith(" s of b")
+    assert abs(float(off.where.split()[1]) - 5.3) < 0.2
+    knock = place_of(arm(), ["a", "b"], [part(0, np.where(abs(time - 4.1) < 0.2, 1.0, 0.0)), part(1, still)])
+    assert knock is not None and knock.where.endswith(" s of a")
+    first, last = (float(word) for word in knock.where.split() if word[0].isdigit())
+    assert first <= 3.95 and last >= 4.25 and last - first <= 1.0
+
+
 def test_of_many_places_none_is_told_that_chance_makes() -> None:
     """A force that keeps long has few independent pieces, one of which is always near some place."""
     time = np.arange(0.0, 20.0, 0.01)
@@ -92,7 +110,7 @@ def test_of_many_places_none_is_told_that_chance_makes() -> None:
         ]
         part = LeftForce("first", 0, time, q, np.gradient(q, time), force, 0.3)
         found = place_of(arm(), ["run"], [part])
-        narrow += found is not None and "within" in found.where
+        narrow += found is not None and ("within" in found.where or " s of run" in found.where)
     assert narrow <= 2
 
 

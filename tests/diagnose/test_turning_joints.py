@@ -10,9 +10,10 @@ from scipy.linalg import sqrtm
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from simulated_recordings import nominal, recording
 
+from harness.diagnose.inverse.band import cutoff_for, driven_at, pace
 from harness.diagnose.inverse.effort_fit import EffortData
 from harness.diagnose.inverse.effort_model import EffortModel
-from harness.diagnose.inverse.effort_motion import cutoff_for, driven_at, effort_run, pace
+from harness.diagnose.inverse.effort_motion import effort_run
 from harness.diagnose.inverse.effort_noise import effort_noise, grid_of
 from harness.diagnose.inverse.ordinary_torque import link_terms, ordinary_torque
 from harness.diagnose.inverse.pushes import find_pushes

@@ -124,9 +124,10 @@ MIDDLE_SHARE = 0.3
 FAR_OUT_SHARE = 0.7
 # times its share of the time; that a place must hold of the force to be told; chosen
 TELLING_PLACE_RATIO = 1.5
-# of a joint's way; lengths of the stretches of it that may be told as the place of a force, a magnet's and a rail joint's; chosen
+# of a joint's way, or of a recording's time; lengths of the stretches that may be told as the place of a force, a magnet's, a rail
+# joint's, a knock's; chosen
 NARROW_SHARES = (0.05, 0.1, 0.2)
-# of a joint's way; from one such stretch to the next; chosen
+# of a joint's way, or of a recording's time; from one such stretch to the next; chosen
 NARROW_STEP = 0.025
 # turns; that a joint makes in all where places are those of every turn; chosen
 FEWEST_TURNS = 2.0

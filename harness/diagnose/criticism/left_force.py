@@ -162,9 +162,33 @@ def _places(
     """Places that have a name, each with where every part of the force is within it and how many like it are looked at."""
     for words, masks in _wide_places(system, recordings, own):
         yield words, masks, 1
-    narrow = list(_narrow_places(system, own))
-    for words, masks in narrow:
-        yield words, masks, len(narrow)
+    for narrow in (list(_narrow_places(system, own)), list(_stretches_of_time(recordings, own))):
+        for words, masks in narrow:
+            yield words, masks, len(narrow)
+
+
+def _stretches_of_time(
+    recordings: Sequence[str], own: Sequence[LeftForce]
+) -> Iterator[tuple[str, list[NDArray[np.bool_]]]]:
+    """Of every recording what comes before a moment, after it, and between two: something that comes off, and that passes."""
+    for run in dict.fromkeys(p.run for p in own):
+        name = recordings[run]
+        begin = min(float(p.time[0]) for p in own if p.run == run)
+        span = max(float(p.time[-1]) for p in own if p.run == run) - begin
+        if not span > 0.0:
+            continue
+        count = round(1.0 / NARROW_STEP)
+        decimals = max(1 - int(np.floor(np.log10(span))), 0)
+        moments = begin + span * NARROW_STEP * np.arange(1, count)
+        said = [f"{round(float(t), decimals) + 0.0:.{decimals}f}" for t in moments]
+        for k, moment in enumerate(moments):
+            yield f"before {said[k]} s of {name}", [(p.time < moment) & (p.run == run) for p in own]
+            yield f"after {said[k]} s of {name}", [(p.time >= moment) & (p.run == run) for p in own]
+            for later in [k + round(share / NARROW_STEP) for share in NARROW_SHARES]:
+                if later >= len(moments):
+                    break
+                within = [(p.time >= moment) & (p.time < moments[later]) & (p.run == run) for p in own]
+                yield f"from {said[k]} to {said[later]} s of {name}", within
 
 
 def _narrow_places(system: System, own: Sequence[LeftForce]) -> Iterator[tuple[str, list[NDArray[np.bool_]]]]:

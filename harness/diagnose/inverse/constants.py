@@ -32,6 +32,10 @@ STILL_SHARE = 0.004
 EDGE_PERIODS = 2.0
 # periods at the cutoff; that a joint must be still for its friction to be undetermined; chosen
 RESTING_PERIODS = 1.0
+# of the samples at which a joint moves; that must be left to compare, or the band is wider; chosen
+LEAST_MOVING_SHARE = 0.5
+# times the cutoff; by which it is raised at a time; chosen
+WIDER_BAND_RATIO = 1.5
 
 # --- pushes that nobody recorded ---
 
@@ -41,6 +45,9 @@ PUSH_SIGMAS = 6.0
 PUSH_END_SIGMAS = 2.5
 # of the efforts' 95th percentile; below which a push is not claimed; chosen
 PUSH_SHARE = 0.15
+# times dry friction in motion; that may hold a joint at rest before it breaks loose; citation: static over kinetic friction of dry
+# and lubricated metals is seldom above 2 (Rabinowicz, Friction and Wear of Materials, 2nd ed. 1995, ch. 4)
+BREAKAWAY_RATIO = 2.0
 # of the shortest period that is looked at; shortest push: shorter ones are outliers of the smoothing; chosen
 SHORTEST_PUSH_PERIODS = 0.5
 

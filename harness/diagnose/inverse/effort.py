@@ -18,12 +18,13 @@ from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import untried
 from harness.diagnose.answer.nothing_fitted import nothing_fitted
 from harness.diagnose.conditioning.constants import ROBUST_SIGMA
+from harness.diagnose.inverse.band import band
 from harness.diagnose.inverse.constants import FAR_BELOW_NOISE, FEWEST_SAMPLES, NOISE_LAGS, REVERSING_SHARE
 from harness.diagnose.inverse.effort_answer import EffortAnswer
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit
 from harness.diagnose.inverse.effort_hold import held_runs, search_either_way
 from harness.diagnose.inverse.effort_model import KNOWN, EffortModel
-from harness.diagnose.inverse.effort_motion import EffortRun, cutoff_for, effort_run, pace
+from harness.diagnose.inverse.effort_motion import EffortRun, effort_run
 from harness.diagnose.inverse.effort_noise import EffortNoise, Grid, effort_noise, grid_of
 from harness.diagnose.inverse.effort_search import EffortStudy
 from harness.diagnose.inverse.effort_settle import settle, standing, surely_standing
@@ -87,9 +88,8 @@ def diagnose_effort(
     deadline = deadline or Deadline()
     _known(only)
     every = [*recordings, *([held] if held is not None else [])]
-    swing = min(pace(system, recording) for recording in every)
-    cutoff = min(cutoff_for(system, recording, swing) for recording in every)
     tell("smoothing")
+    cutoff = band(system, every)
     runs = [effort_run(system, recording, cutoff) for recording in every]
     for run, recording in zip(runs, every, strict=True):
         if not run.usable.any():

@@ -20,20 +20,15 @@ from scipy.ndimage import binary_dilation, maximum_filter1d
 from scipy.signal import butter, savgol_filter, sosfilt, sosfilt_zi, sosfiltfilt
 
 from harness.diagnose.inverse.constants import (
-    ATTENUATION,
     EDGE_PERIODS,
-    FEWEST_HARMONICS,
     LOWPASS_ORDER,
     MOTION_CUTOFF_RATIO,
-    NYQUIST_SHARE,
     OVERSAMPLING,
     RESTING_PERIODS,
     STILL_SHARE,
     STILL_SIGMAS,
     WIDEST_NYQUIST_SHARE,
 )
-from harness.diagnose.selection.constants.starts import MOTION_HARMONICS
-from harness.effects.scale import swings
 from harness.errors import InputError
 from harness.recording.noise import estimate_noise
 from harness.recording.recording import Channel, Recording
@@ -272,16 +267,6 @@ def _short_slopes(
     return np.interp(time, even, slopes), max(unsure(count), STILL_SHARE * fastest, 1e-12), count * recording.interval
 
 
-def motion_noise(recording: Recording, joint: str, cutoff: float, order: int) -> float:
-    """Standard deviation of the noise of a joint's ``order``-th derivative after a low-pass at ``cutoff`` [Hz].
-
-    White noise of the position: ∫₀^f (2πf)^(2k) S df with S = 2 σ² Δt.
-    """
-    density = 2.0 * reading_noise(recording, recording.channel(f"{joint}.position")) ** 2 * recording.interval
-    power = 2 * order + 1
-    return float(np.sqrt((2.0 * np.pi) ** (2 * order) * density * cutoff**power / power))
-
-
 # Every cutoff that is tried asks for the same noise again.
 _KNOWN: WeakKeyDictionary[Channel, float] = WeakKeyDictionary()
 
@@ -292,49 +277,6 @@ def reading_noise(recording: Recording, channel: Channel) -> float:
         found = estimate_noise(recording.time, channel.values, unit=channel.unit, channel=channel.name)
         _KNOWN[channel] = found.std
     return _KNOWN[channel]
-
-
-def pace(system: System, recording: Recording) -> float:
-    """How fast the slowest joint swings or is driven [Hz], whichever is faster: an axis that is all but upright hardly swings."""
-    own = np.array(swings(system, recording)) / (2.0 * np.pi)
-    return float(min(max(f, driven_at(recording, name)) for f, name in zip(own, system.joint_names, strict=True)))
-
-
-def driven_at(recording: Recording, joint: str) -> float:
-    """Mean frequency of a joint's recorded motion [Hz], zero where its position is not recorded.
-
-    √(∫f² S df / ∫S df) of its spectrum (Rice, Bell System Technical J. 24 (1945) 46), less the white noise of the reading.
-    """
-    channel = next((c for c in recording.channels if c.site == joint and c.quantity == "position"), None)
-    if channel is None:
-        return 0.0
-    good = np.isfinite(channel.values)
-    even = np.arange(recording.time[good][0], recording.time[good][-1], recording.interval)
-    values = np.interp(even, recording.time[good], channel.values[good])
-    power = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(len(values)))) ** 2
-    frequency = np.fft.rfftfreq(len(values), recording.interval)
-    # Of white noise all frequencies have as much.
-    power = np.maximum(power - reading_noise(recording, channel) ** 2 * 0.375 * len(values), 0.0)
-    total = float(power.sum())
-    return float(np.sqrt(np.sum(frequency**2 * power) / total)) if total > 0.0 else 0.0
-
-
-def cutoff_for(system: System, recording: Recording, swing: float) -> float:
-    """The highest cutoff [Hz] at which the noise of the accelerations stays small beside the accelerations.
-
-    swing: frequency of the slowest swing [Hz].
-    """
-    highest = min(MOTION_HARMONICS * swing, NYQUIST_SHARE * 0.5 / recording.interval)
-    for cutoff in np.geomspace(highest, FEWEST_HARMONICS * swing, 12):
-        run = effort_run(system, recording, float(cutoff))
-        inner = slice(len(run.time) // 20, -max(1, len(run.time) // 20))
-        ratios = [
-            motion_noise(recording, name, float(cutoff), 2) ** 2 / max(float(np.var(a[inner])), 1e-30)
-            for name, a in zip(system.joint_names, run.smooth(run.qdd).T, strict=True)
-        ]
-        if max(ratios) < ATTENUATION:
-            return float(cutoff)
-    return float(max(FEWEST_HARMONICS * swing, 1e-3))
 
 
 def _resting(run: EffortRun) -> NDArray[np.bool_]:

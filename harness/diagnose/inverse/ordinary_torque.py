@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from harness.denoc.model import Denoc
 from harness.diagnose.conditioning.constants import ROBUST_SIGMA
 from harness.diagnose.inverse.constants import (
+    BREAKAWAY_RATIO,
     FALLING_SPEEDS,
     MOST_COGGING_WAVES,
     MOST_FURTHER_TORQUES,
@@ -98,9 +99,12 @@ class OrdinaryTorque:
     foretold: list[Array]
 
     def surely(self, runs: Sequence[EffortRun], joint: int) -> list[Array]:
-        """What is left less what dry friction may do while the joint turns about, and by as much smaller as it is less certain."""
+        """What is left less what dry friction may do while the joint turns about or breaks loose, and by as much smaller as it is
+        less certain.
+        """
+        most = BREAKAWAY_RATIO * self.dry
         return [
-            np.sign(rest) * np.maximum(np.abs(rest) - self.dry * run.unsure[:, joint], 0.0) / reach
+            np.sign(rest) * np.maximum(np.abs(rest) - most * run.unsure[:, joint], 0.0) / reach
             for rest, reach, run in zip(self.left, self.reach, runs, strict=True)
         ]
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, make_interp_spline
 
 from harness.denoc.model import Denoc
+from harness.diagnose.inverse.band import driven_at, motion_noise
 from harness.diagnose.inverse.constants import (
     ATTENUATION,
     EDGE_PERIODS,
@@ -20,7 +21,7 @@ from harness.diagnose.inverse.constants import (
     SAMPLE_PERIODS,
     WIDEST_NYQUIST_SHARE,
 )
-from harness.diagnose.inverse.effort_motion import ZeroPhase, driven_at, low_pass, motion_noise, reading_noise
+from harness.diagnose.inverse.effort_motion import ZeroPhase, low_pass, reading_noise
 from harness.diagnose.problem.hypothesis import nominal_quantities, scaled
 from harness.diagnose.selection.constants.starts import MOTION_HARMONICS
 from harness.diagnose.transmission.constants import FEWEST_SAMPLES
