@@ -101,7 +101,7 @@ def _runs_into(signal: Array, run: tuple[int, int], step: float) -> bool:
     """Whether the slope at the plateau's edges, carried on into it, overshoots it by much more than a turning point.
 
     A parabola that turns within the plateau rises above its edges by slope · width / 4; a quantised one stays
-    within a step of that.
+    within a step of that. Both edges together: stamps that come late make either one look steep.
     """
     first, last = run
     width = last - first
@@ -112,7 +112,9 @@ def _runs_into(signal: Array, run: tuple[int, int], step: float) -> bool:
         slopes.append(abs(signal[last + PLATEAU - 1] - signal[last]) / (PLATEAU - 1))
     if not slopes:
         return False
-    return max(slopes) * width / 4.0 > max(4.0 * step, 1e-3 * float(np.ptp(signal)))
+    # Rounding alone makes a slope between two readings steeper by as much as a step.
+    slope = sum(slopes) / len(slopes) - step / (PLATEAU - 1)
+    return slope * width / 4.0 > max(4.0 * step, 1e-3 * float(np.ptp(signal)))
 
 
 def find_outliers(name: str, time: Array, values: Array, step: float) -> tuple[Array, QualityNote | None]:

@@ -35,7 +35,13 @@ def third_weights(time: Array) -> Array:
 
 
 def white_noise(time: Array, values: Array) -> float:
-    """Standard deviation of the white noise of a signal (T,), robustly from its third differences; nan without samples."""
+    """Standard deviation of the white noise of a signal (T,), robustly from its third differences; nan without samples.
+
+    A signal that most samples do not have (of a slower sensor) is compared from reading to reading.
+    """
     third = np.abs(third_differences(time, values))
-    seen = third[np.isfinite(third)]
+    seen, read = third[np.isfinite(third)], np.isfinite(values)
+    if 2 * len(seen) < np.count_nonzero(read) - 3:
+        third = np.abs(third_differences(time[read], values[read]))
+        seen = third[np.isfinite(third)]
     return float(np.median(seen) / 0.6745 / np.sqrt(SQUARE)) if len(seen) else np.nan

@@ -257,6 +257,17 @@ def test_what_stands_still_without_noise_or_in_steps_is_not_stale(tmp_path):
     assert not notes(read(tmp_path, TIME, np.round(noisy() / 2e-3) * 2e-3), "stale")
 
 
+@pytest.mark.parametrize("seed", [153, 189, 278])
+def test_a_coarse_encoder_that_is_stamped_late_is_not_cut_off(tmp_path, seed):
+    """Of 400 such readings these three had a turn that looked so."""
+    rng, step = np.random.default_rng(seed), 2 * np.pi / 1024
+    time = np.sort(np.arange(2000) / 200 + rng.normal(0.0, 1.5e-3, 2000))
+    (a, b), (f, g) = rng.uniform(0.3, 1.0, 2), rng.uniform(0.5, 2.5, 2)
+    angle = a * np.cos(2 * np.pi * f * time) + b * np.cos(2 * np.pi * g * time + 1)
+    stamps, first = np.unique(np.round((time + rng.exponential(1e-3, 2000)) * 1e3) / 1e3, return_index=True)
+    assert not notes(read(tmp_path, stamps, (np.round(angle / step) * step)[first]), "saturation")
+
+
 @pytest.mark.parametrize(("limits", "count"), [((-0.5, 0.5), 2), ((-2.0, 0.5), 1)])
 def test_saturation_is_told_and_kept(tmp_path, limits, count):
     cut = np.clip(noisy(), *limits)

@@ -124,6 +124,8 @@ MIDDLE_SHARE = 0.3
 FAR_OUT_SHARE = 0.7
 # times its share of the time; that a place must hold of the force to be told; chosen
 TELLING_PLACE_RATIO = 1.5
+# of what is left; that a place holds at least to be worth a sentence; chosen
+TELLING_PLACE_SHARE = 0.1
 # of a joint's way, or of a recording's time; lengths of the stretches that may be told as the place of a force, a magnet's, a rail
 # joint's, a knock's; chosen
 NARROW_SHARES = (0.05, 0.1, 0.2)

@@ -20,6 +20,7 @@ from harness.diagnose.criticism.constants import (
     NOISE_OF_REST,
     SLOW_MOTION_SHARE,
     TELLING_PLACE_RATIO,
+    TELLING_PLACE_SHARE,
 )
 from harness.diagnose.estimation.discrepancy import Discrepancy, covariance_at, pieces_of
 from harness.diagnose.estimation.least_squares import Fit
@@ -131,7 +132,7 @@ def place_of(system: System, recordings: Sequence[str], left: Sequence[LeftForce
             inside = sum(_square(p, m) for p, m in zip(own, masks, strict=True)) / max(squares[joint], 1e-300)
             time = sum(float(np.sum(m)) for m in masks) / max(sum(len(p.time) for p in own), 1)
             # Of all that is left, a place with less than its share of the time says where it does not lie.
-            if time <= 0.0 or inside < TELLING_PLACE_RATIO * time or at_joint * inside < time:
+            if time <= 0.0 or inside < TELLING_PLACE_RATIO * time or at_joint * inside < max(time, TELLING_PLACE_SHARE):
                 continue
             # Of places that hold more than their time, the one that holds most beyond it: less what the best of so many alike
             # holds of a force without any place, whose square in independent pieces varies by twice its mean's square.

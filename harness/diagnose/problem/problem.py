@@ -306,10 +306,25 @@ def _thin(run: Run, finest_rate: float) -> Run:
     index = np.array(starts)[:, None] + np.arange(step)
     time = run.time[index].mean(axis=1)
     values = run.values[:, index].mean(axis=2)
+    recorded, kept = np.isfinite(run.values).sum(axis=1), step * np.isfinite(values).sum(axis=1)
+    if np.any(kept < 0.5 * recorded):
+        return _picked(run, step)
     effort = None if run.effort is None else run.effort[index].mean(axis=1)
     return replace(
         run, time=time, values=values, effort=effort, interval=run.interval * step, averaged=run.averaged * step
     )
+
+
+def _picked(run: Run, step: int) -> Run:
+    """Every ``step``-th sample, and those of channels that are read too seldom to be averaged in blocks; all where it is driven,
+    since efforts act between samples too."""
+    if run.effort is not None:
+        return run
+    seldom = np.isfinite(run.values).sum(axis=1) * step < 2 * len(run.time)
+    keep = np.any(np.isfinite(run.values[seldom]), axis=0)
+    keep[::step] = True
+    time = run.time[keep]
+    return replace(run, time=time, values=run.values[:, keep], interval=float(np.median(np.diff(time))))
 
 
 def _resolution(columns: list[Array]) -> float:

@@ -48,10 +48,21 @@ def colours_from(
         if (problem.channels[c].quantity, problem.channels[c].unit) == ("position", "rad"):
             segments, _ = without_waves(segments, places[c], problem.steps[c])
         interval = problem.train[0].interval
-        found = estimate_colour(segments, interval, motion_hz, motion_hz / MOTION_HARMONICS)
+        seldom = _seldom(problem, c)
+        found = estimate_colour(segments, seldom * interval, motion_hz, motion_hz / MOTION_HARMONICS)
+        if seldom > 1.0:
+            # Its readings have no neighbours among the samples: each counts for as much as slow noise leaves it.
+            found = Colour(found.std / np.sqrt(found.effective_fraction), interval=interval)
         floor = quietest(problem, c) / np.sqrt(problem.train[0].averaged)
         out.append(found if found.std >= floor else Colour(floor, interval=interval))
     return tuple(out)
+
+
+def _seldom(problem: Problem, channel: int) -> float:
+    """Samples from one reading of a channel to the next, one where every sample has one."""
+    gaps = [np.diff(np.flatnonzero(np.isfinite(run.values[channel]))) for run in problem.train]
+    pooled = np.concatenate(gaps)
+    return float(np.median(pooled)) if len(pooled) else 1.0
 
 
 def under_its_own_noise(
