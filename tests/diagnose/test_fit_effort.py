@@ -17,6 +17,7 @@ from harness.diagnose.inverse.band import cutoff_for, motion_noise
 from harness.diagnose.inverse.effort_left import _memory
 from harness.diagnose.inverse.effort_motion import effort_run
 from harness.diagnose.inverse.pushes import find_pushes
+from harness.diagnose.problem.deadline import TimeUp
 from harness.errors import InputError
 from harness.recording import Recording
 from harness.recording.recording import Channel
@@ -284,3 +285,14 @@ def test_too_little_motion_for_the_smoothing_is_a_line(system, monkeypatch):
     monkeypatch.setattr(effort, "band", lambda *_: 0.2)
     with pytest.raises(InputError, match="nothing can be compared"):
         diagnose([recorded(1), recorded(2)], model=system, fit_effort=True)
+
+
+def test_a_noise_that_the_time_was_up_for_costs_no_finding(system: System, monkeypatch: pytest.MonkeyPatch) -> None:
+    def up(*_: object) -> None:
+        raise TimeUp
+
+    monkeypatch.setattr(effort, "_noises_beside", up)
+    runs = [recorded(seed, friction=0.1) for seed in (1, 2)]
+    found = diagnose(runs, system, fit_effort=True, only=("coulomb_friction", "viscous_damping"))
+    assert [f["effect"] for f in found.findings] == ["coulomb_friction"]
+    assert any("noise of the efforts" in left.what for left in found.not_tried)

@@ -21,6 +21,7 @@ from harness.diagnose.estimation.constants import (
     STATE_MIXING_GAIN,
     STATE_MIXING_ROUNDS,
     UNCHANGED_STEP,
+    WIDEST_INTERVAL,
 )
 from harness.diagnose.estimation.gauss_newton import Stepping, Trial
 from harness.diagnose.estimation.linearisation import Linearisation, eliminated, linearise, vibrating
@@ -313,7 +314,16 @@ def covariance(fitted: Fit, nominal: int, inflation: float = 1.0) -> Array:
 
 
 def inverse(information: Array) -> Array:
-    """Covariance of an information matrix (P, P); directions that are not seen are as wide as rounding lets them be."""
-    values, vectors = np.linalg.eigh(information)
+    """Covariance of an information matrix (P, P); directions that are not seen are as wide as rounding lets them be, and a number
+    that nothing turns on is as wide as any interval is told.
+    """
+    # Beside what is known a million times better, what is hardly known is no rounding: each number in its own unit.
+    known = np.sqrt(np.maximum(np.diag(information), 0.0))
+    seen = known > 0.0
+    unit = np.where(seen, known, 1.0)
+    values, vectors = np.linalg.eigh(information / np.outer(unit, unit))
     values = np.maximum(values, 1e-14 * max(float(values.max(initial=0.0)), 1e-300))
-    return np.asarray((vectors / values) @ vectors.T)
+    out = np.asarray((vectors / values) @ vectors.T) / np.outer(unit, unit)
+    out[~seen], out[:, ~seen] = 0.0, 0.0
+    out[~seen, ~seen] = WIDEST_INTERVAL**2
+    return out

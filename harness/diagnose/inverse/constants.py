@@ -73,6 +73,10 @@ MOST_FACTORS = 4
 # of the torque; that the sum of products may err by where it stands in for inverse dynamics; chosen
 SAME_TORQUE = 1e-9
 
+# cubic splines; that a force over a joint's position that nobody has named may be made of, as few as it takes; chosen: four are
+# one cubic
+POSITION_SHAPES = (4, 5, 6, 8)
+
 # --- noise ---
 
 # periods of the cutoff; between samples that are compared; chosen

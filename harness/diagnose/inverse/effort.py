@@ -43,6 +43,10 @@ from harness.system import System
 
 Array = NDArray[np.float64]
 
+SMOOTHED_NOISE = (
+    "the noise of the efforts beside what was found",
+    "intervals may be too wide, and faint effects unseen",
+)
 UNSEARCHED = ("further sets of effects", "another set of effects may explain the recordings better, or as well")
 UNJUDGED = (
     "the judgement on data held out, and of what else it could be",
@@ -132,7 +136,7 @@ def diagnose_effort(
             study.fit(Hypothesis(), [np.zeros(study.nominal)])
         turned = EffortStudy(data.recorded(beside[0]), judged.recorded(beside[1]), known, traces=smooth.traces)
         best = searched()
-        noises = _noises_beside(system, study.data, best)
+        noises = deadline.attempt(*SMOOTHED_NOISE, lambda: _noises_beside(system, study.data, best), lambda: None)
         if noises is not None:
             tell("noise of the efforts beside what was found")
             smooth, turned = smooth.under(noises), turned.under(noises)

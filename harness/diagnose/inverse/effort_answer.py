@@ -26,7 +26,7 @@ from harness.diagnose.inverse.effort_next import next_experiment
 from harness.diagnose.inverse.effort_search import EffortStudy
 from harness.diagnose.inverse.effort_shown import channel, curves, mismatch, unit
 from harness.diagnose.inverse.effort_tests import root_mean_square, tests_of
-from harness.diagnose.inverse.effort_words import pushed, shown_as, summary
+from harness.diagnose.inverse.effort_words import may_be_one_force, pushed, shown_as, summary
 from harness.diagnose.inverse.pushes import Push
 from harness.diagnose.problem.deadline import TimeUp
 from harness.diagnose.problem.hypothesis import Hypothesis
@@ -88,6 +88,7 @@ class EffortAnswer:
                             hurried=bool(study.data.model.deadline.not_tried),
                         ),
                         *(beside_findings(study.data.model.nominal, best.x, rows) if found.titles else ()),
+                        may_be_one_force(found.of_any_shape),
                         self._pushed(),
                         shown_as(tests),
                     ],

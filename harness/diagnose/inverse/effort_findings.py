@@ -16,6 +16,7 @@ from harness.diagnose.inverse.effort_fit import EffortFit
 from harness.diagnose.inverse.effort_grades import estimates, grade, repeatability, without_each
 from harness.diagnose.inverse.effort_search import EffortStudy
 from harness.diagnose.inverse.effort_words import InWords, gathered, untold_together
+from harness.diagnose.inverse.force_over_position import of_any_shape
 from harness.diagnose.problem.deadline import TimeUp
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.effects.effect import SiteKind
@@ -35,12 +36,13 @@ UNRIVALLED = (
 @dataclass(frozen=True, eq=False)
 class EffortFindings:
     """Findings as the document has them; those more than possible in words, and what these cannot be told from; effects that cannot
-    be told apart, in pairs."""
+    be told apart, in pairs; titles of those that a force over their joint's position does for as well."""
 
     rows: Sequence[dict[str, Any]]
     titles: Sequence[str]
     rivals: Sequence[str]
     pairs: Sequence[tuple[Candidate, Candidate]]
+    of_any_shape: Sequence[str] = ()
 
 
 def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, remainder: bool) -> EffortFindings:
@@ -59,6 +61,7 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
     ]
     apart = [study.heldout_z(without[k], best) for k in members]
     grades = [grade(study, best, k, without[k], [], rivals=None, remainder=remainder) for k in members]
+    shapeless: frozenset[int] = deadline.attempt(*UNRIVALLED, lambda: of_any_shape(study, best), frozenset)
     again: list[tuple[str, EffortFit]] = deadline.attempt(
         *UNREPEATED, lambda: without_each((study.data, study.held), best), lambda: []
     )
@@ -75,7 +78,8 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
         with suppress(TimeUp):
             grades[k] = grade(study, best, k, smaller, repeats, rivals=rivals, remainder=remainder)
         # What the time was up for might have found something in its place.
-        how = grades[k] = LIKELY if deadline.not_tried and grades[k] == ESTABLISHED else grades[k]
+        how = LIKELY if deadline.not_tried and grades[k] == ESTABLISHED else grades[k]
+        how = grades[k] = POSSIBLE if k in shapeless else how
         probability = sum(s for key, s in share.items() if member.key in key) / total
         findings.append(
             {
@@ -96,7 +100,8 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
         pairs += [(member, c) for c in others]
     order = {name: k for k, name in enumerate(system.joint_names)}
     firm.sort(key=lambda f: order.get(f.site.split(".")[0], len(order)))
-    return EffortFindings(findings, gathered(firm), untold_together(firm), pairs)
+    shaped = [f"{m.effect.title} at {m.site}" for k, m in enumerate(best.hypothesis.members) if k in shapeless]
+    return EffortFindings(findings, gathered(firm), untold_together(firm), pairs, shaped)
 
 
 def _units(system: System, member: Candidate) -> dict[str, str]:

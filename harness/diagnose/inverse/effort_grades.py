@@ -100,7 +100,7 @@ def grade(
         gain=gain,
         excess=excess,
         itself=rivals is False,
-        whole=no_smooth_force(_waves_seen(data, best.hypothesis.members[k], values), gain, excess),
+        whole=no_smooth_force(waves_seen(data, best.hypothesis.members[k], values), gain, excess),
     )
     if np.max(np.abs(best.x[: study.nominal]), initial=0.0) <= SURELY_OFF_SIGMAS:
         return found
@@ -109,7 +109,7 @@ def grade(
     return LIKELY if found == ESTABLISHED else found
 
 
-def _waves_seen(data: EffortData, member: Candidate, values: Mapping[str, Estimate]) -> float:
+def waves_seen(data: EffortData, member: Candidate, values: Mapping[str, Estimate]) -> float:
     """How many whole waves of a member were seen at least, if it is a wave over the angle; 0 of what is none."""
     if "periods" not in values:
         return 0.0

@@ -88,7 +88,9 @@ def summary(
     band = f"below {cutoff:.2g} Hz, where accelerations can be read off the recorded angle"
     if verdict == "consistent":
         return f"The effort that the model needs for the recorded motion agrees with the recorded one ({band})."
-    if verdict == "explained":
+    if verdict == "explained" and not firm:
+        text = f"{off} ({band}); what is told as possible in the table leaves the noise alone, also on data held out."
+    elif verdict == "explained":
         text = f"{off} ({band}); with {' and '.join(firm)} the residual is at the noise, also on data held out."
     elif firm and verdict != "unexplained":
         text = f"{off} ({band}); {holding_up(firm, explained)}."
@@ -100,6 +102,15 @@ def summary(
     if left is not None and verdict != "explained":
         sentences += left_in_words(left, foretold, "the noise")
     return " ".join([*sentences, *rivals])
+
+
+def may_be_one_force(titles: Sequence[str]) -> str:
+    """What a force over the position does for as well, in a sentence; none where that is nothing."""
+    if not titles:
+        return ""
+    *others, last = (title[0].lower() + title[1:] if k else title for k, title in enumerate(titles))
+    told = f"{', '.join(others)} and {last} may be" if others else f"{last} may be"
+    return f"{told[0].upper()}{told[1:]} one force over the position that nobody has named, as of a balancing spring or a cable."
 
 
 def pushed(pushes: Sequence[Push], recordings: Sequence[Recording], unit: str) -> str:

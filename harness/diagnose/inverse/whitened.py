@@ -180,6 +180,15 @@ class Whitened:
         _, slope = self._effort(inputs)
         return self._turning(change if slope is None else change / slope)
 
+    def of_force(self, joint: int, forces: Sequence[Array]) -> Array:
+        """What a force at a joint, (T,) of every run, adds to the rows, (rows,)."""
+        signals = []
+        for run, force in zip(self.model.runs, forces, strict=True):
+            signal = np.zeros_like(run.q)
+            signal[:, joint] = force
+            signals.append(signal)
+        return self._turning(self._all(signals))
+
     def _turning(self, rows: Array) -> Array:
         """Rows less what joints that turn late or early, every time alike, may have put into them."""
         share = np.bincount(self.which, self._late * rows, len(self._taken)) * self._taken
