@@ -7,13 +7,14 @@ import pytest
 from simulated_recordings import nominal, recording
 
 from harness.diagnose.problem.problem import pose
+from harness.recording import Recording
 from harness.recording.differences import white_noise
 
 TIME = np.arange(0.0, 12.0, 0.001)
 FAST, SLOW = 1e-4, 3e-4  # rad, rad/s: noise
 
 
-def read_apart(seed: int, every: int = 20, first: int = 7) -> object:
+def read_apart(seed: int, every: int = 20, first: int = 7) -> Recording:
     """A swing whose angle is read at 1 kHz and whose velocity at 50 Hz, in rows of their own."""
     rng = np.random.default_rng(seed)
     angle = 0.5 * np.cos(5.0 * TIME) + FAST * rng.standard_normal(len(TIME))

@@ -50,6 +50,10 @@ PUSH_SHARE = 0.15
 BREAKAWAY_RATIO = 2.0
 # of the shortest period that is looked at; shortest push: shorter ones are outliers of the smoothing; chosen
 SHORTEST_PUSH_PERIODS = 0.5
+# of the largest effort that was asked for; that a drive may give at most, as far as pushes are asked whether they are that; chosen
+DRIVE_LIMITS = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
+# of the time that pushes last; that is left beside a drive's limit, at most, where they are that; chosen
+LIMITED_SHARE = 0.25
 
 # --- regression of ordinary torques ---
 

@@ -185,6 +185,8 @@ def _resolvable(candidate: Candidate, system: System, runs: Sequence[EffortRun])
     """
     if candidate.effect.name == "actuator_deadzone":
         return _passing(candidate, system, runs)
+    if candidate.effect.name == "actuator_saturation":
+        return _limiting(candidate, system, runs)
     if candidate.effect.name != "stribeck_friction":
         return candidate
     joint = system.joint_names.index(candidate.site)
@@ -206,6 +208,17 @@ def _passing(candidate: Candidate, system: System, runs: Sequence[EffortRun]) ->
     asked = [np.abs(run.foretold[run.usable, joint]) for run in runs if run.foretold is not None]
     widest = float(np.median(np.concatenate(asked))) if asked else np.inf
     parameters = tuple(replace(p, upper=min(p.upper, widest)) for p in candidate.effect.parameters)
+    return replace(candidate, effect=replace(candidate.effect, parameters=parameters))
+
+
+def _limiting(candidate: Candidate, system: System, runs: Sequence[EffortRun]) -> Candidate:
+    """A limit that lets half of the efforts through, and is below the largest."""
+    joint = system.joint_names.index(candidate.site)
+    asked = np.concatenate([np.abs(run.raw[run.usable, joint]) for run in runs])
+    low, high = (float(np.median(asked)), float(asked.max())) if len(asked) else (0.0, np.inf)
+    parameters = tuple(
+        replace(p, lower=max(p.lower, low), upper=min(p.upper, max(high, low))) for p in candidate.effect.parameters
+    )
     return replace(candidate, effect=replace(candidate.effect, parameters=parameters))
 
 

@@ -59,6 +59,7 @@ KNOWN = (
     "servo_torque",
     "actuator_delay",
     "actuator_deadzone",
+    "actuator_saturation",
 )
 KEPT = 64  # mechanisms whose smoothed torque is kept: a search asks for the same ones again and again
 MOTIONS = 8  # motions behind sensors' errors that are kept
@@ -277,7 +278,7 @@ def arriving(chain: Sequence[tuple[Effect, Attachment]], run: EffortRun, j: int)
         for acting, attachment in chain:
             assert acting.input is not None
             given = acting.values(attachment.parameters)[None]
-            if acting.input.nonlinear and run.foretold is not None:
+            if acting.name == "actuator_deadzone" and run.foretold is not None:
                 # By the motion of the same time, however late the effort came to it.
                 sent = run.foretold[:, j]
                 out = out - (sent - acting.input.apply(sent[None].copy(), run.time, given)[0])

@@ -162,8 +162,10 @@ class EffortStudy:
         if candidate.key not in self.traces:
             blank = np.zeros(self.nominal)
             hypothesis, starts = Hypothesis().with_(candidate), starts_of(candidate)
-            if len(candidate.effect.parameters) == 1:
-                # Of a single number, what one size of it changes all others do as well, but for how much.
+            acting = candidate.effect.input
+            if len(candidate.effect.parameters) == 1 and not (acting is not None and acting.nonlinear):
+                # Of a single number, what one size of it changes all others do as well, but for how much; a limit or a dead zone
+                # acts on other samples at another size.
                 starts = starts[:1]
             here = self.data.rows(Hypothesis(), blank)
             rows = [self.data.rows(hypothesis, np.concatenate([blank, start])) - here for start in starts]

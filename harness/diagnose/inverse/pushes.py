@@ -7,16 +7,23 @@ recorded effort knows nothing of that, and any effect fitted to it is an inventi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, label
 
 from harness.diagnose.conditioning.constants import MOST_LEFT_OUT_SHARE, ROBUST_SIGMA
-from harness.diagnose.inverse.constants import PUSH_END_SIGMAS, PUSH_SHARE, PUSH_SIGMAS, SHORTEST_PUSH_PERIODS
+from harness.diagnose.inverse.constants import (
+    DRIVE_LIMITS,
+    LIMITED_SHARE,
+    PUSH_END_SIGMAS,
+    PUSH_SHARE,
+    PUSH_SIGMAS,
+    SHORTEST_PUSH_PERIODS,
+)
 from harness.diagnose.inverse.effort_motion import EffortRun
-from harness.diagnose.inverse.ordinary_torque import link_terms, ordinary_torque
+from harness.diagnose.inverse.ordinary_torque import OrdinaryTorque, link_terms, ordinary_torque
 from harness.system import System
 
 Array = NDArray[np.float64]
@@ -45,20 +52,72 @@ def find_pushes(system: System, runs: Sequence[EffortRun]) -> tuple[Push, ...]:
     for j in range(runs[0].q.shape[1]):
         if not any(run.driven[j] for run in runs):
             continue
-        ordinary = ordinary_torque(system, runs, j, links)
         use = np.concatenate([run.usable for run in runs])
         target = np.concatenate([run.effort[:, j] for run in runs])
-        left = np.concatenate(ordinary.left)
-        spread = ROBUST_SIGMA * float(np.median(np.abs(left[use])))
-        least = max(PUSH_SIGMAS * spread, PUSH_SHARE * float(np.percentile(np.abs(target[use]), 95)))
-        for k, (run, surely) in enumerate(zip(runs, ordinary.surely(runs, j), strict=True)):
-            rest = np.where(run.inner, surely, 0.0)
-            for first, last in _stretches(rest, run, least, PUSH_END_SIGMAS * spread):
-                peak = float(rest[first : last + 1][np.argmax(np.abs(rest[first : last + 1]))])
-                found.append(Push(k, j, float(run.time[first]), float(run.time[last]), peak))
-    if sum(p.last - p.first for p in found) > MOST_LEFT_OUT_SHARE * total:
+        shown = PUSH_SHARE * float(np.percentile(np.abs(target[use]), 95))
+        plain = ordinary_torque(system, runs, j, links)
+        pushes = _beyond_ordinary(runs, j, plain, shown, np.inf)
+        found += _beside_a_limit(system, runs, j, links, shown, plain, pushes) if pushes else ()
+    if _lasting(found) > MOST_LEFT_OUT_SHARE * total:
         return ()
     return tuple(found)
+
+
+def _beyond_ordinary(
+    runs: Sequence[EffortRun], joint: int, ordinary: OrdinaryTorque, shown: float, quietest: float
+) -> tuple[Push, ...]:
+    """What ordinary torques of a joint leave that counts as pushes.
+
+    shown: the least force that is told; quietest: the standard deviation that the noise has at most [N·m or N].
+    """
+    found = []
+    spread = min(_spread(runs, ordinary), quietest)
+    least = max(PUSH_SIGMAS * spread, shown)
+    for k, (run, surely) in enumerate(zip(runs, ordinary.surely(runs, joint), strict=True)):
+        rest = np.where(run.inner, surely, 0.0)
+        for first, last in _stretches(rest, run, least, PUSH_END_SIGMAS * spread):
+            peak = float(rest[first : last + 1][np.argmax(np.abs(rest[first : last + 1]))])
+            found.append(Push(k, joint, float(run.time[first]), float(run.time[last]), peak))
+    return tuple(found)
+
+
+def _spread(runs: Sequence[EffortRun], ordinary: OrdinaryTorque) -> float:
+    """Robust standard deviation of what ordinary torques leave where it can be compared [N·m or N]."""
+    use = np.concatenate([run.usable for run in runs])
+    return ROBUST_SIGMA * float(np.median(np.abs(np.concatenate(ordinary.left)[use])))
+
+
+def _beside_a_limit(
+    system: System,
+    runs: Sequence[EffortRun],
+    joint: int,
+    links: Sequence[Array],
+    shown: float,
+    plain: OrdinaryTorque,
+    pushes: tuple[Push, ...],
+) -> tuple[Push, ...]:
+    """The pushes that are left where the drive gives no more than some torque, if most of them go with that; else all.
+
+    A drive that is asked for more than it can give looks, wherever it is, as if something pushed against it. plain, pushes: what
+    ordinary torques leave of efforts without a limit.
+    """
+    most = max(float(np.abs(run.raw[:, joint]).max()) for run in runs)
+    best = pushes
+    for share in DRIVE_LIMITS:
+        limited = []
+        for run in runs:
+            raw = run.raw.copy()
+            raw[:, joint] = np.clip(raw[:, joint], -share * most, share * most)
+            limited.append(replace(run, raw=raw, effort=run.smooth(raw)))
+        ordinary = ordinary_torque(system, limited, joint, links)
+        left = _beyond_ordinary(limited, joint, ordinary, shown, _spread(runs, plain))
+        best = min(best, left, key=_lasting)
+    return best if _lasting(best) < LIMITED_SHARE * _lasting(pushes) else pushes
+
+
+def _lasting(pushes: Sequence[Push]) -> float:
+    """How long pushes last together [s]."""
+    return sum(p.last - p.first for p in pushes)
 
 
 def _stretches(rest: Array, run: EffortRun, begins: float, ends: float) -> list[tuple[int, int]]:
