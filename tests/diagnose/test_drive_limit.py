@@ -8,8 +8,14 @@ from scipy.integrate import solve_ivp
 from simulated_recordings import recording
 
 from harness.diagnose.diagnose import diagnose
+from harness.diagnose.inverse.effort_fit import EffortData, fit_effort
+from harness.diagnose.inverse.effort_model import EffortModel
+from harness.diagnose.inverse.effort_motion import effort_run
+from harness.diagnose.inverse.effort_noise import effort_noise, grid_of
+from harness.diagnose.inverse.pushes import Push, still_pushing
+from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.recording import Recording
-from harness.system import Joint, JointType, Link, System
+from harness.system import Attachment, Joint, JointType, Link, System
 from harness.system.description import constant
 
 MASS, LENGTH, SLENDER, DAMPING, GRAVITY = 2.0, 0.3, 0.02, 0.3, 9.81  # kg, m, kg·m², N·m·s/rad, m/s²
@@ -57,3 +63,22 @@ def test_a_push_beside_it_is_one(limit: float) -> None:
     pushes = [note for note in told.quality if note["kind"] == "outside_push"]
     assert [note["recording"] for note in pushes] == ["run2"]
     assert bool(told.findings) == np.isfinite(limit)
+
+
+def test_what_a_set_explains_is_no_push_beside_it() -> None:
+    runs = [effort_run(arm(), commanded(seed, np.inf, push), 6.0) for seed, push in ((1, 0.0), (2, 4.0))]
+    model = EffortModel(arm(), runs)
+    grids = tuple(grid_of(run) for run in runs)
+    data = EffortData(model, grids, (effort_noise([NOISE * np.random.default_rng(0).standard_normal(500)]),))
+    nothing = fit_effort(data, Hypothesis(), np.zeros(len(model.nominal)))
+    taken, pushed = Push(0, 0, 3.0, 3.4, 2.0), Push(1, 0, 5.95, 6.35, -4.0)
+    assert still_pushing(arm(), runs, (taken, pushed), nothing) == (pushed,)
+
+
+def test_a_reading_of_the_wrong_sign_is_taken_back_whole() -> None:
+    """The motion behind a reading of gain g is the reading over g, whatever g is; to first order it would be 2 − g times it."""
+    run = effort_run(arm(), commanded(1, np.inf), 6.0)
+    model = EffortModel(arm(), [run])
+    for gain in (-1.0, 0.5, 1.02):
+        (moved,) = model.moved([Attachment("sensor_gain", "joint.position", {"gain": gain})])
+        assert moved.q == pytest.approx(run.q / gain, abs=1e-9)

@@ -54,6 +54,8 @@ SHORTEST_PUSH_PERIODS = 0.5
 DRIVE_LIMITS = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
 # of the time that pushes last; that is left beside a drive's limit, at most, where they are that; chosen
 LIMITED_SHARE = 0.25
+# of a push; that must be left beside what was found, at least, where it is one; chosen
+STILL_PUSHED_SHARE = 0.5
 
 # --- regression of ordinary torques ---
 
@@ -116,6 +118,8 @@ STALE_RATIO_ON_THE_WAY = 8.0
 STALE_SHARE = 0.02
 # of the efforts' size; by which the slope of the input chain is read off; chosen
 INPUT_DIFFERENCE = 0.05
+# of what arrives over what is recorded, or of a reading over what it reads; below which a slope is taken as that; chosen
+LEAST_SLOPE = 1e-3
 
 # --- the search ---
 

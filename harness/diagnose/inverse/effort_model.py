@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from harness.denoc.model import Denoc
 from harness.diagnose.answer.augmented import attached
-from harness.diagnose.inverse.constants import INPUT_DIFFERENCE
+from harness.diagnose.inverse.constants import INPUT_DIFFERENCE, LEAST_SLOPE
 from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.nominal_torque import NominalRows
 from harness.diagnose.problem.deadline import Deadline
@@ -288,7 +288,7 @@ def arriving(chain: Sequence[tuple[Effect, Attachment]], run: EffortRun, j: int)
 
     probe = INPUT_DIFFERENCE * float(np.std(run.raw[:, j])) + 1e-12
     slope = float(np.mean(arrives(run.raw[:, j] + probe) - arrives(run.raw[:, j] - probe))) / (2.0 * probe)
-    return arrives(run.raw[:, j]), 1e-3 if abs(slope) < 1e-3 else slope
+    return arrives(run.raw[:, j]), LEAST_SLOPE if abs(slope) < LEAST_SLOPE else slope
 
 
 def law_shapes(law: Attachment) -> list[tuple[str, float, tuple[float, ...]]]:
@@ -346,18 +346,27 @@ def _stribeck(p: Mapping[str, float], v: Array) -> Array:
 
 
 def _true_motion(system: System, attachments: Sequence[Attachment], run: EffortRun) -> EffortRun:
-    """The motion behind what the sensors read, to first order in what they do to it."""
+    """The motion behind what the sensors read, by a step of Newton's from it: a gain and an offset are taken back exactly, what is
+    not linear or comes late to first order.
+    """
     q = run.q
     changed: list[int] = []
     for j, name in enumerate(system.joint_names):
         chain = sensor_chain(attachments, f"{name}.position")
         if not chain:
             continue
-        read = q[:, j][None].copy()
-        for law, attachment in chain:
-            assert law.sensor is not None
-            read = law.sensor.apply(read, run.time, law.values(attachment.parameters)[None])
+
+        def read(motion: Array, chain: Sequence[tuple[Effect, Attachment]] = chain) -> Array:
+            out = motion[None].copy()
+            for law, attachment in chain:
+                assert law.sensor is not None
+                out = law.sensor.apply(out, run.time, law.values(attachment.parameters)[None])
+            return np.asarray(out[0])
+
+        seen, own = q[:, j], read(q[:, j])
+        step = INPUT_DIFFERENCE * max(float(np.std(seen)), 1e-12)
+        slope = (read(seen + step) - own) / step
         q = q.copy()
-        q[:, j] = 2.0 * q[:, j] - read[0]
+        q[:, j] = seen + (seen - own) / np.where(np.abs(slope) < LEAST_SLOPE, LEAST_SLOPE, slope)
         changed.append(j)
     return run if q is run.q else run.moved(q, changed)

@@ -32,6 +32,8 @@ from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatibl
 from harness.diagnose.selection.study import log_choose
 
 Array = NDArray[np.float64]
+
+TURNED = "sensor_gain"  # whose sign may be another one
 Ranked = list[tuple[float, Candidate, Array]]  # by how much smaller the cost would be; with a start each
 
 
@@ -163,9 +165,10 @@ class EffortStudy:
             blank = np.zeros(self.nominal)
             hypothesis, starts = Hypothesis().with_(candidate), starts_of(candidate)
             acting = candidate.effect.input
-            if len(candidate.effect.parameters) == 1 and not (acting is not None and acting.nonlinear):
+            bent = candidate.effect.name == TURNED or (acting is not None and acting.nonlinear)
+            if len(candidate.effect.parameters) == 1 and not bent:
                 # Of a single number, what one size of it changes all others do as well, but for how much; a limit or a dead zone
-                # acts on other samples at another size.
+                # acts on other samples at another size, and no small gain leads to a wrong sign.
                 starts = starts[:1]
             here = self.data.rows(Hypothesis(), blank)
             rows = [self.data.rows(hypothesis, np.concatenate([blank, start])) - here for start in starts]
@@ -391,6 +394,8 @@ def _in_plane(
 def starts_of(candidate: Candidate) -> list[Array]:
     """Starting values of a candidate's parameters [SI]."""
     each = [p.start_values(candidate.references) for p in candidate.effect.parameters]
+    if candidate.effect.name == TURNED:
+        return [np.array([each[0][0]]), np.array([-1.0])]
     plane = PLANES.get(candidate.effect.name)
     if plane is not None:
         return plane.starts(float(each[0][0]))

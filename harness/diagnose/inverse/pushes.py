@@ -21,7 +21,10 @@ from harness.diagnose.inverse.constants import (
     PUSH_SHARE,
     PUSH_SIGMAS,
     SHORTEST_PUSH_PERIODS,
+    STILL_PUSHED_SHARE,
 )
+from harness.diagnose.inverse.effort_fit import EffortFit
+from harness.diagnose.inverse.effort_model import EffortModel
 from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.ordinary_torque import OrdinaryTorque, link_terms, ordinary_torque
 from harness.system import System
@@ -61,6 +64,22 @@ def find_pushes(system: System, runs: Sequence[EffortRun]) -> tuple[Push, ...]:
     if _lasting(found) > MOST_LEFT_OUT_SHARE * total:
         return ()
     return tuple(found)
+
+
+def still_pushing(
+    system: System, runs: Sequence[EffortRun], pushes: tuple[Push, ...], found: EffortFit
+) -> tuple[Push, ...]:
+    """Of what ordinary torques do not explain, what a set of effects does not either: half of the force at least is left."""
+    if not pushes:
+        return pushes
+    residuals = EffortModel(system, runs).residuals(found.hypothesis, found.x)
+
+    def left(push: Push) -> float:
+        run = runs[push.run]
+        during = (run.time >= push.first) & (run.time <= push.last)
+        return float(np.abs(residuals[push.run][during, push.joint]).max())
+
+    return tuple(push for push in pushes if left(push) > STILL_PUSHED_SHARE * abs(push.peak))
 
 
 def _beyond_ordinary(
