@@ -37,6 +37,7 @@ from harness.diagnose.inverse.effort_noise import EffortNoise, Grid
 from harness.diagnose.inverse.whitened import Whitened
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.effects.room import STATED
+from harness.errors import InputError
 from harness.system import Attachment
 
 Array = NDArray[np.float64]
@@ -204,7 +205,11 @@ def fit_effort(
 
     def misfit(part: Array) -> Array:
         whole = full(part)
-        rows = data.rows(hypothesis, whole)
+        try:
+            rows = data.rows(hypothesis, whole)
+        except InputError:
+            # A step that led to no mechanism at all, which says nothing of the user's: the next one is shorter.
+            return np.full(len(size) + nominal, np.inf)
         return np.concatenate([rows / size, whole[:nominal]])
 
     def slopes(part: Array) -> Array:

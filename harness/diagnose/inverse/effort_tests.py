@@ -12,11 +12,13 @@ from scipy.stats import chi2, norm
 from scipy.stats import f as fisher
 
 from harness.diagnose.criticism.constants import COMPLETE_RESIDUAL_RATIO
+from harness.diagnose.inverse.band import motion_noise
 from harness.diagnose.inverse.constants import (
     HELD_OUT_RATIO,
     SHAPE_CHANCE,
     SHAPE_SHARE,
     SHAPES_DEPENDENT,
+    SLOW_NOISE_RATIO,
     SURELY_OFF_SIGMAS,
 )
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit
@@ -24,6 +26,9 @@ from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.effort_search import EffortStudy
 from harness.diagnose.inverse.effort_words import ONCE
 from harness.diagnose.inverse.pushes import Push
+from harness.effects.scale import references
+from harness.recording.clean import quantisation_step
+from harness.recording.differences import white_noise
 from harness.recording.recording import Recording
 from harness.recording.units import written
 from harness.system import System
@@ -33,7 +38,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class _Asked:
-    """What the tests of one joint look at. floor, held: root mean square left of the training data and of those held out."""
+    """What the tests of one joint look at. floor, held: root mean square left of the training data and of those held out; scatter:
+    what the sensors' own scatter from sample to sample leaves there.
+    """
 
     system: System
     study: EffortStudy
@@ -41,6 +48,7 @@ class _Asked:
     joint: int
     floor: float
     held: float
+    scatter: float
 
     @property
     def name(self) -> str:
@@ -58,8 +66,9 @@ def tests_of(
     out: list[dict[str, Any]] = []
     for j in study.data.joints:
         asked = _Asked(
-            system, study, best, j, root_mean_square(study.data, best, j), root_mean_square(study.held, best, j)
-        )
+            system, study, best, j, root_mean_square(study.data, best, j), root_mean_square(study.held, best, j),
+            scatter_of(system, recordings, j, study.data.model.runs[0].bandwidth),
+        )  # fmt: skip
         out += [row for test in TESTS for row in test(asked)]
     for push in pushes:
         joint = system.joint(system.joint_names[push.joint])
@@ -124,6 +133,36 @@ def _louder(asked: _Asked) -> Iterator[dict[str, Any]]:
         )  # fmt: skip
 
 
+def _slower(asked: _Asked) -> Iterator[dict[str, Any]]:
+    """What ordinary torques cannot take passes for noise, however slow it is: beside sensors that scatter far less it is none."""
+    ratio = asked.floor / asked.scatter if asked.scatter > 0.0 else 1.0
+    if ratio > SLOW_NOISE_RATIO:
+        count = max(asked.study.data.samples, 1.0)
+        yield _row(
+            "slower than the sensors' scatter", (ratio**2 - 1.0) * count, float(chi2.sf(ratio**2 * count, count)),
+            f"{ratio:.2g} times what it leaves at {asked.name}",
+        )  # fmt: skip
+
+
+def scatter_of(system: System, recordings: Sequence[Recording], joint: int, bandwidth: float) -> float:
+    """Standard deviation of a joint's effort in the band, by its own scatter and that of the angles behind it [N·m or N].
+
+    White noise of σ at intervals Δt leaves σ √(2 f Δt) below f; that of angles comes through the inertia.
+    """
+    name, powers = system.joint_names[joint], list[float]()
+    inertia = float(references(system, name).inertia)
+    for recording in recordings:
+        own = next((c for c in recording.efforts if c.site == name), None)
+        if own is None:
+            continue
+        good = np.isfinite(own.values)
+        time, values = recording.time[good], own.values[good]
+        white = max(white_noise(time, values), quantisation_step(values) / np.sqrt(12.0))
+        shaken = sum(motion_noise(recording, other, bandwidth, 2) ** 2 for other in system.joint_names)
+        powers.append(white**2 * 2.0 * bandwidth * recording.interval + inertia**2 * shaken)
+    return float(np.sqrt(np.mean(powers))) if powers else 0.0
+
+
 def _stretched(asked: _Asked) -> Iterator[dict[str, Any]]:
     """Nominal quantities outside their tolerance."""
     nominal = asked.best.x[: asked.study.nominal]
@@ -138,7 +177,13 @@ def _stretched(asked: _Asked) -> Iterator[dict[str, Any]]:
         )  # fmt: skip
 
 
-TESTS: tuple[Callable[[_Asked], Iterator[dict[str, Any]]], ...] = (_smooth_force, _held_out, _louder, _stretched)
+TESTS: tuple[Callable[[_Asked], Iterator[dict[str, Any]]], ...] = (
+    _smooth_force,
+    _held_out,
+    _louder,
+    _slower,
+    _stretched,
+)
 
 
 def _row(what: str, gain: float, chance: float, *where: str) -> dict[str, Any]:

@@ -82,7 +82,8 @@ def by_efforts(
 ) -> ByEfforts:
     """The answer by efforts, of arms of many joints asked for at once where there is a limit."""
     every = [*recordings, *([held] if held is not None else [])]
-    if not all(_whole(system, one) for one in every):
+    # Of mechanisms whose efforts cannot be fitted the motion has all of the time.
+    if system.flexible or system.drives or not all(_whole(system, one) for one in every):
         return ByEfforts(None, deadline, deadline)
 
     def ask(by: Deadline) -> Diagnosis:

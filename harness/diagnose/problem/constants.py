@@ -70,6 +70,8 @@ FEWEST_EFFORT_INTERVALS = 20
 NEAR_LIMIT_SHARE = 0.02
 # relative 1σ; of a nominal quantity whose model states none; convention: stated to users
 USUAL_TOLERANCE = 0.01
+# logarithm of a factor; by which a nominal quantity is bent at most while a fit is under way: a thousand times; chosen
+FARTHEST_BENT = 7.0
 # of a joint's range; beyond which the joint runs through what the model states; chosen
 PAST_LIMIT_SHARE = 0.1
 

@@ -9,7 +9,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.problem.constants import USUAL_TOLERANCE
+from harness.diagnose.problem.constants import FARTHEST_BENT, USUAL_TOLERANCE
 from harness.diagnose.problem.problem import Run
 from harness.diagnose.problem.windows import Window
 from harness.effects.effect import BY_MODEL, Effect
@@ -158,8 +158,10 @@ def tolerances(quantities: Sequence[Nominal]) -> Array:
 
 
 def bent_by(quantities: Sequence[Nominal], z: Array) -> Array:
-    """By how much quantities are multiplied that deviate by z (k,) [σ of their tolerances]."""
-    return np.asarray(np.exp(tolerances(quantities) * z))
+    """By how much quantities are multiplied that deviate by z (k,) [σ of their tolerances]: a step of a fit may go anywhere, and no
+    mechanism has a length of nothing or without end.
+    """
+    return np.asarray(np.exp(np.clip(tolerances(quantities) * z, -FARTHEST_BENT, FARTHEST_BENT)))
 
 
 def scaled(system: System, quantities: Sequence[Nominal], factors: Sequence[float]) -> System:
