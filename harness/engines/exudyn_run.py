@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.compiled_packages import loaded
 from harness.engines.protocol import Array, EngineError
 from harness.errors import cannot_be_loaded, install
 
@@ -27,12 +28,9 @@ _RENAMED = {
 def exudyn_package() -> Any:
     """The package ``exudyn``; EngineUnavailableError if it cannot be loaded."""
     try:
-        import exudyn
-        import exudyn.itemInterface
-        import exudyn.solver
+        return loaded("exudyn", "exudyn.itemInterface", "exudyn.solver")
     except ImportError as error:
         raise cannot_be_loaded("Exudyn", error, install("engines")) from None
-    return exudyn
 
 
 @contextmanager

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from harness.compiled_packages import loaded
 from harness.engines.checked import (
     finite_result,
     held_forces,
@@ -49,10 +50,9 @@ HUGE = 1e10
 
 def _mujoco() -> Any:
     try:
-        import mujoco
+        return loaded("mujoco")
     except ImportError as error:
         raise cannot_be_loaded("MuJoCo", error, "pip install mujoco") from None
-    return mujoco
 
 
 def quaternion(rotation: Array) -> Array:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.compiled_packages import loaded
 from harness.engines.checked import (
     finite_result,
     held_forces,
@@ -36,10 +37,9 @@ LARGEST = 200
 
 def _pinocchio() -> Any:
     try:
-        import pinocchio
+        return loaded("pinocchio")
     except ImportError as error:
         raise cannot_be_loaded("Pinocchio", error, install("engines")) from None
-    return pinocchio
 
 
 def pinocchio_model(system: System) -> Any:

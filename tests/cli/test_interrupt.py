@@ -98,3 +98,38 @@ def test_an_interrupt_inside_a_compiled_module_that_loads_is_one(chained, monkey
     monkeypatch.setattr(main.denoc, "main", interrupted)
     assert main.status_of(["doctor"]) == 130
     assert capsys.readouterr().err == "denoc: stopped; nothing was written\n"
+
+
+LOADS = """
+import os, signal, sys
+from harness.compiled_packages import loaded
+{before}
+try:
+    package = loaded("half_loaded")
+except KeyboardInterrupt:
+    print("heard", hasattr(sys.modules.get("half_loaded"), "compiled"))
+else:
+    print("lost", hasattr(package, "compiled"))
+"""
+# A package as Exudyn is: whatever keeps its compiled part from loading, it tries another way and hides the first.
+HALF_LOADED = """
+import os, signal
+try:
+    os.kill(os.getpid(), signal.SIGINT)
+    for _ in range(1000):
+        pass
+    compiled = True
+except BaseException:
+    pass
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no kill that a handler hears")
+@pytest.mark.parametrize(
+    ("before", "said"), [("", "heard True"), ("signal.signal(signal.SIGINT, signal.SIG_IGN)", "lost True")]
+)
+def test_an_interrupt_while_a_compiled_package_loads_waits_until_it_is_there(tmp_path, before, said):
+    (tmp_path / "half_loaded.py").write_text(HALF_LOADED)
+    child = run_alone(f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n" + LOADS.format(before=before))
+    assert (child.stdout.strip(), child.stderr) == (said, "")
+    assert child.returncode == 0

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.compiled_packages import loaded
 from harness.engines.mujoco_model import mujoco_model
 from harness.errors import InputError, cannot_be_loaded
 from harness.report.animation.scene import Motion, seen
@@ -35,8 +36,7 @@ def view(system: System, time: Array, motions: Sequence[Motion]) -> None:
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise InputError("there is no screen to open MuJoCo's viewer on", mend="write a page instead: --out view.html")
     try:
-        import mujoco
-        from mujoco import viewer
+        mujoco = loaded("mujoco", "mujoco.viewer")
     except ImportError as error:
         raise cannot_be_loaded("MuJoCo", error, "pip install mujoco") from None
     model = shown_model(system)
@@ -45,7 +45,7 @@ def view(system: System, time: Array, motions: Sequence[Motion]) -> None:
     bones = skeleton(system)
     points = [bones.points(motion.positions) for motion in motions]
     addresses = joint_addresses(model, motions[-1])
-    with viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False) as window:
+    with mujoco.viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False) as window:
         look_at(window.cam, np.concatenate([p.reshape(-1, 3) for p in points]), np.asarray(system.gravity))
         begun = clock.monotonic()
         while window.is_running():
