@@ -38,13 +38,17 @@ class Rule:
 
 @dataclass(frozen=True)
 class Column:
-    """One column of the file as ours: site and quantity, or time (quantity ``time``, no site)."""
+    """One column of the file as ours: site and quantity, or time (quantity ``time``, no site).
+
+    unit: of the rule that maps it, else of its header. stated: the header's own, where a rule has another.
+    """
 
     header: str
     site: str
     quantity: str
     unit: str
     sign: float = 1.0
+    stated: str = ""
 
     @property
     def name(self) -> str:
@@ -185,8 +189,8 @@ def resolve(
     clock = _clock(headers, rules)
     for header in headers:
         alias = aliases.get(header, "")
-        name, unit = split_unit(header)
-        rule = next((r for r in rules if r.ours != IGNORE and _is_named(r.foreign, header, alias)), None)
+        name, own = split_unit(header)
+        rule = _rule_of(header, alias, rules, source)
         drop = next((r for r in rules if r.ours == IGNORE and _is_within(r.foreign, header, alias)), None)
         if rule is None and drop is not None:
             used.add(drop)
@@ -194,16 +198,17 @@ def resolve(
             continue
         if rule is not None:
             used.add(rule)
-            ours, unit, sign = rule.ours, rule.unit or unit, rule.sign
+            ours, unit, sign = rule.ours, rule.unit or own, rule.sign
         else:
-            ours, sign = "time" if header == clock else _spelt_ours(alias or name, system), 1.0
+            ours, unit, sign = "time" if header == clock else _spelt_ours(alias or name, system), own, 1.0
+        stated = own if own != unit else ""
         if ours == "time":
-            column = Column(header, "", "time", unit, sign)
+            column = Column(header, "", "time", unit, sign, stated)
         else:
             site, _, quantity = ours.rpartition(".")
             in_space = _in_space(ours, system)
             if in_space is not None:
-                column = Column(header, *in_space, unit, sign)
+                column = Column(header, *in_space, unit, sign, stated)
                 if column.name in taken:
                     raise _twice(column, taken[column.name], header, source)
                 taken[column.name] = header
@@ -214,7 +219,7 @@ def resolve(
                     _refuse_misspelt(ours, site, quantity, system, source)
                 ignored.append((header, "is no column of ours"))
                 continue
-            column = Column(header, site, quantity, unit, sign)
+            column = Column(header, site, quantity, unit, sign, stated)
             if quantity == "command" and rule is None and not _commanded(site, system):
                 ignored.append((header, "is the command of no actuator that the model has"))
                 continue
@@ -253,6 +258,18 @@ def resolve(
         )
     found.sort(key=lambda column: column.quantity != "time")
     return Found(tuple(found), tuple(ignored))
+
+
+def _rule_of(header: str, alias: str, rules: Sequence[Rule], source: Path) -> Rule | None:
+    """The rule that maps a column; InputError where two of the command line's do, to different things."""
+    found = [rule for rule in rules if rule.ours != IGNORE and _is_named(rule.foreign, header, alias)]
+    told = {(rule.ours, rule.unit, rule.sign): rule for rule in found if not rule.optional}
+    if len(told) > 1:
+        first, second = (
+            f"{'-' if sign < 0 else ''}{ours}" + (f"[{unit}]" if unit else "") for ours, unit, sign in [*told][:2]
+        )
+        raise InputError(f"is mapped to {first} and to {second}", mend="leave one out", source=source, column=header)
+    return found[0] if found else None
 
 
 def _refuse_unread(names: Iterable[str], unread: Mapping[str, str], source: Path) -> None:

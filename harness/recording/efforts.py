@@ -12,10 +12,9 @@ from harness.errors import InputError
 from harness.recording.clean import fill_effort
 from harness.recording.columns import parse_rule, resolve, rules_beside
 from harness.recording.formats import read_table
-from harness.recording.read import ignored_notes, unit_of_column
+from harness.recording.read import check_clock_of, factor_of, ignored_notes
 from harness.recording.recording import Channel, QualityNote
 from harness.recording.timing import grouped_mean, mend_time
-from harness.recording.units import factor_to_si
 from harness.system import System
 from harness.system.description import Array, constant
 
@@ -47,7 +46,9 @@ def read_efforts(path: str | Path, system: System, *, mapping: Sequence[str] = (
     found = resolve(tuple(table.columns), rules, system, source=file, aliases=table.aliases, unread=table.unread)
     clock = found.columns[0]
     notes = [*table.notes, *ignored_notes(found.ignored)]
-    factor, _ = factor_to_si(unit_of_column(clock, table), "time", prismatic=None, source=file, column=clock.header)
+    factor, _, other = factor_of(clock, table, prismatic=None, file=file)
+    notes += other
+    check_clock_of(clock, table, factor, file)
     efforts = [column for column in found.columns if column.quantity == "effort"]
     if not efforts:
         raise InputError("has no column <joint>.effort", source=path, mend="name the columns time and <joint>.effort")
@@ -61,13 +62,8 @@ def read_efforts(path: str | Path, system: System, *, mapping: Sequence[str] = (
     notes += timing.notes
     channels = []
     for column in efforts:
-        size, unit = factor_to_si(
-            unit_of_column(column, table),
-            "effort",
-            prismatic=system.joint(column.site).prismatic,
-            source=file,
-            column=column.header,
-        )
+        size, unit, other = factor_of(column, table, prismatic=system.joint(column.site).prismatic, file=file)
+        notes += other
         values = grouped_mean(table.numbers(column.header)[rows], timing.groups, len(timing.time)) * size * column.sign
         if not np.isfinite(values).any():
             raise InputError("holds no number", mend="an input must be known", source=file, column=column.header)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import InputError
+from harness.recording.columns import unit_stated
 from harness.recording.recording import QualityNote
 from harness.system.description import Array
 
@@ -17,6 +18,17 @@ MOST = 1e12
 LEAST = 1e-18
 # Of a recording [s]: thirty years, and the light's way over a foot.
 LONGEST, SHORTEST = 1e9, 1e-9
+# Seconds since 1970 between which recordings were made: 1980 and 2100; fractions of them by unit.
+YEARS = (3.2e8, 4.2e9)
+FRACTIONS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+# Days since 1900 of the same years, and steps of them [day] that would be rates above 50 kHz if they were seconds.
+DAYS, DAY_STEP = (29_000.0, 74_000.0), 2e-5
+UNITS_OF_TIME = {
+    "ms": "milliseconds since 1970",
+    "us": "microseconds since 1970",
+    "ns": "nanoseconds since 1970",
+    "day": "days of a spreadsheet",
+}
 
 
 def without_absurd(
@@ -63,4 +75,26 @@ def check_span(stamps: Array, rows: NDArray[np.intp], lines: tuple[int, ...] | N
         source=source,
         line=line,
         column="time",
+    )
+
+
+def check_clock(stamps: Array, origin: float, header: str, unit: str, source: Path) -> None:
+    """Refuse stamps that count from 1970 in less than seconds, or in days from 1900, and are taken for seconds.
+
+    stamps: (rows,), the origin taken off them, both [s]. unit: of the column as the file or the user says, "" if none does.
+    """
+    present = stamps[np.isfinite(stamps)]
+    if len(present) < 2:
+        return
+    first, step = origin + float(present[0]), float(np.ptp(present)) / (len(present) - 1)
+    small = next((name for name, size in FRACTIONS.items() if YEARS[0] < first * size < YEARS[1]), None)
+    days = not unit and DAYS[0] < first < DAYS[1] and 0.0 < step < DAY_STEP
+    if small is None and not days:
+        return
+    name = small or "day"
+    raise InputError(
+        f"begins at {first:.15g}, which are {UNITS_OF_TIME[name]}, not seconds",
+        mend=unit_stated(header, "time", name),
+        source=source,
+        column=header,
     )

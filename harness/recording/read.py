@@ -21,13 +21,13 @@ from harness.recording.columns import Column, Rule, parse_rule, resolve, rules_b
 from harness.recording.folded import unfold
 from harness.recording.formats import Table, read_table
 from harness.recording.jitter import jitter_note
-from harness.recording.magnitudes import LEAST, without_absurd
+from harness.recording.magnitudes import LEAST, check_clock, without_absurd
 from harness.recording.recording import GIVEN, POSITIONS, SPATIAL_UNITS, Channel, QualityNote, Recording
 from harness.recording.rezero import undo_rezeroing
 from harness.recording.stale import find_stale
 from harness.recording.stamp_pattern import healed
 from harness.recording.timing import Timing, grouped_mean, mend_time
-from harness.recording.units import factor_to_si
+from harness.recording.units import factor_to_si, is_unit
 from harness.system import System
 from harness.system.description import Array, constant
 
@@ -92,8 +92,10 @@ def recording_from_table(table: Table, rules: Sequence[Rule], system: System | N
         table, told = one_clock(table, columns)
         notes += told
     clock = columns[0]
-    factor, _ = factor_to_si(unit_of_column(clock, table), "time", prismatic=None, source=file, column=clock.header)
+    factor, _, other = factor_of(clock, table, prismatic=None, file=file)
+    notes += other
     _refuse_short(int(np.isfinite(table.columns[clock.header]).sum()), file)
+    check_clock_of(clock, table, factor, file)
     try:
         timing = mend_time(_finite(table.columns[clock.header]) * factor * clock.sign, table.lines, file)
     except InputError as error:
@@ -180,10 +182,49 @@ def _count(table: Table, column: Column, factor: float) -> float:
     return abs(factor) if counts else 0.0
 
 
-def unit_of_column(column: Column, table: Table) -> str:
-    """What the header says, else what the format does; stamps of the calendar are in seconds whatever the header says."""
+def check_clock_of(clock: Column, table: Table, factor: float, file: Path) -> None:
+    """Refuse a column of time whose numbers are of another unit than they are taken for; see ``check_clock``."""
+    origin = table.origins.get(clock.header, 0.0) * factor
+    unit = clock.unit or table.units.get(clock.header, "")
+    check_clock(table.columns[clock.header] * factor, origin, clock.header, unit, file)
+
+
+def factor_of(
+    column: Column, table: Table, *, prismatic: bool | None, file: Path
+) -> tuple[float, str, list[QualityNote]]:
+    """The number to multiply a column by, the SI unit it then has, and a note where what states its unit differs.
+
+    A mapping's unit goes before the header's, and that before what the format states; stamps of the calendar are in seconds
+    whatever is said. Raises InputError where two of them would give other numbers. Where one fits no such quantity (counts, volts),
+    the mapping says what it stands for.
+    """
     told = table.units.get(column.header, "")
-    return told if told and column.header in table.origins else column.unit or told
+    stamped = bool(told) and column.header in table.origins
+
+    def factor(unit: str) -> tuple[float, str]:
+        return factor_to_si(unit, column.quantity, prismatic=prismatic, source=file, column=column.header)
+
+    unit = told if stamped else column.unit or told
+    size, si = factor(unit)
+    notes: list[QualityNote] = []
+    for other in dict.fromkeys((column.stated, "" if stamped else told)):
+        if other in ("", unit):
+            continue
+        try:
+            same = bool(np.isclose(factor(other)[0], size, rtol=1e-9, atol=0.0))
+        except InputError:
+            if is_unit(other):  # else a word in brackets: theta (filtered)
+                what = f"is in {other} by the file, and mapped as {unit}"
+                notes.append(QualityNote("unit", column.name, what, f"one {other} taken as {unit}"))
+            continue
+        if not same:
+            raise InputError(
+                f"is in {other!r} by the file itself, and {unit!r} is said of it",
+                mend="leave out the unit that is wrong",
+                source=file,
+                column=column.header,
+            )
+    return size, si, notes
 
 
 def _refuse_short(samples: int, file: Path) -> None:
@@ -207,12 +248,11 @@ def _channel(
     prismatic = None
     if system is not None and column.site in system.joint_names:
         prismatic = system.joint(column.site).prismatic
-    factor, unit = factor_to_si(
-        unit_of_column(column, table), column.quantity, prismatic=prismatic, source=file, column=column.header
-    )
+    factor, unit, other = factor_of(column, table, prismatic=prismatic, file=file)
     factor *= column.sign
     rows = _finite(table.columns[column.header] + table.origins.get(column.header, 0.0)) * factor
     rows, notes = without_absurd(column.name, unit, rows, column.header, table.lines, file)
+    notes = other + notes
     values = grouped_mean(rows, timing.groups, len(timing.time))
     if column.quantity in POSITIONS:
         # Made continuous in the file's own samples: the mean of two of them across a jump would be neither.

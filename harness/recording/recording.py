@@ -64,7 +64,7 @@ class QualityNote:
         ``wrapped_angle``, ``folded``, ``quantisation``, ``saturation``, ``constant``, ``ignored_column``, ``empty_column``,
         ``cut_off``, ``not_read``, ``packed``, ``fill_value``, ``other_clock``, ``idle_effort``, ``short_effort``,
         ``timing_jitter``, ``stale``, ``carried_start``, ``held_start``, ``carried_end``, ``outside_push``,
-        ``rezeroed``, ``other_zero``, ``held_effort``, ``absurd``, ``stamp_pattern``.
+        ``rezeroed``, ``other_zero``, ``held_effort``, ``absurd``, ``stamp_pattern``, ``unit``, ``segments``.
     channel: its name, or ``time``. where: windows [s] from the first sample; empty if everywhere.
     count: samples concerned. done: what was done about it. size: a number that goes with it (step, limit, …), SI or nan.
     """

@@ -14,6 +14,7 @@ from harness.recording.recording import QualityNote
 from harness.system.description import Array
 
 UNORDERED_SHARE = 0.05  # of the samples; more is no jitter but two recordings in one, or the wrong column
+LATE_AT_MOST = 10  # samples that one at the beginning comes late by
 REPEATED_SHARE = 0.1  # of the samples; more is a rounded clock
 GAP_FACTOR = 5.0  # interval over the median one, and over twice the 99th percentile
 SAME = 1e-9  # of the median interval; stamps closer than that are one
@@ -77,7 +78,9 @@ def _order(
     worst = int(backwards[np.argmin(forward[backwards])])
     back = -float(forward[worst])
     line = lines[int(rows[worst + 1])] if lines is not None else None
-    if back > 50.0 * usual or len(backwards) > UNORDERED_SHARE * len(time):
+    # From far in back to the very first stamp is a new beginning, however short what came before was.
+    anew = np.any((backwards >= LATE_AT_MOST) & (time[backwards + 1] <= time[0] + usual))
+    if back > 50.0 * usual or len(backwards) > UNORDERED_SHARE * len(time) or anew:
         raise InputError(
             f"time jumps back by {back:g} s",
             mend="one recording a file; split it where the clock was reset",

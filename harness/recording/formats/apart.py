@@ -82,7 +82,7 @@ def read_apart(module: str, reader: str, path: Path, file: Path) -> Table:
     head, numbers = answer
     if "error" in head:
         _raise(head["error"], path)
-    return _table(head, numbers)
+    return _table(head, numbers, path)
 
 
 def _ask_for_package(module: str) -> None:
@@ -215,7 +215,7 @@ def _raise(told: dict[str, Any], path: Path) -> NoReturn:
     raise kind(told["what"], mend=told["mend"], source=path, line=told["line"], column=told["column"])
 
 
-def _table(head: dict[str, Any], numbers: bytes) -> Table:
+def _table(head: dict[str, Any], numbers: bytes, path: Path) -> Table:
     columns, place = {}, 0
     for name, rows in head["columns"]:
         columns[name] = np.frombuffer(numbers, dtype=np.float64, count=rows, offset=place).copy()
@@ -224,6 +224,9 @@ def _table(head: dict[str, Any], numbers: bytes) -> Table:
     return Table(
         columns,
         head["units"],
+        faults={
+            name: InputError(what, mend=mend, source=path, column=name) for name, (what, mend) in head["faults"].items()
+        },
         origins=head["origins"],
         aliases=head["aliases"],
         interleaved=head["interleaved"],

@@ -8,8 +8,9 @@ from pathlib import Path
 from harness.errors import InputError
 from harness.recording.formats.cells import Cells, is_absent, read_cells, refuse_two_marks
 from harness.recording.formats.csv_layout import Layout, Row, find_layout
+from harness.recording.formats.lvm import is_lvm, read_lvm
 from harness.recording.formats.ros_csv import is_rostopic, joints_of
-from harness.recording.formats.table import Table, left_out
+from harness.recording.formats.table import Table, left_out, stated_twice
 from harness.recording.recording import QualityNote
 from harness.system.description import Array
 
@@ -32,7 +33,7 @@ def read_text(path: Path, content: bytes, readable: str) -> Table:
     odd = sum(1 for letter in sample if (letter < " " and letter not in "\t\r\n") or letter == "\x7f")
     if odd > 0:
         raise InputError("is not text and no format that is known", mend=f"give {readable}", source=path)
-    return read_csv(path, text)
+    return read_lvm(path, text) if is_lvm(text) else read_csv(path, text)
 
 
 def read_csv(path: Path, text: str) -> Table:
@@ -52,8 +53,9 @@ def read_csv(path: Path, text: str) -> Table:
     lines = tuple(row.line for row in body)
     units = {name: unit for name, unit in zip(names, layout.units, strict=True) if unit}
     aliases: dict[str, str] = {}
+    twice: set[str] = set()
     if is_rostopic(names):
-        names, rows, units, aliases = joints_of(names, rows)
+        names, rows, units, aliases, twice = joints_of(names, rows)
     columns: dict[str, Array] = {}
     cells: dict[str, Cells] = {}
     texts: dict[str, Sequence[str]] = {}
@@ -77,6 +79,7 @@ def read_csv(path: Path, text: str) -> Table:
             origins[name] = found.origin
         if found.unit:
             units[name] = found.unit
+    faults |= {name: stated_twice(path, name) for name in twice}
     faults |= refuse_two_marks(path, cells, texts, lines)
     return Table(columns, units, lines, faults, origins, aliases=aliases, notes=tuple(notes))
 

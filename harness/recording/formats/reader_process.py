@@ -63,6 +63,7 @@ def _packed(table: Table) -> tuple[dict[str, Any], list[bytes]]:
         "origins": dict(table.origins),
         "aliases": dict(table.aliases),
         "interleaved": table.interleaved,
+        "faults": {name: (fault.what, fault.mend) for name, fault in table.faults.items()},
         "notes": [vars(note) for note in table.notes],
     }
     return head, [np.ascontiguousarray(values, dtype=np.float64).tobytes() for values in table.columns.values()]

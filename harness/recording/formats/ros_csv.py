@@ -15,11 +15,11 @@ def is_rostopic(names: Sequence[str]) -> bool:
 
 def joints_of(
     names: Sequence[str], rows: Sequence[Sequence[str]]
-) -> tuple[tuple[str, ...], list[Sequence[str]], dict[str, str], dict[str, str]]:
+) -> tuple[tuple[str, ...], list[Sequence[str]], dict[str, str], dict[str, str], set[str]]:
     """A column for every joint and quantity in the place of numbered fields, and the message's own stamp as time if it has one.
 
     The order of the joints may change from message to message; a column goes by the name of its joint then, else by the file's own,
-    ``field.position0``, with the joint's as an alias. Returns names, rows, units and aliases.
+    ``field.position0``, with the joint's as an alias. Returns names, rows, units, aliases, and what one message states twice.
     """
     place = {name: k for k, name in enumerate(names)}
     stamp = place.get(STAMP)
@@ -44,12 +44,15 @@ def joints_of(
     always = {names[k] for number, fields in arrays.items() if len(held.get(number, ())) == 1 for k in fields.values()}
     own = {joint: next(iter(columns)) for joint, columns in joints.items() if len(columns) == 1 and columns <= always}
     dressed: list[Sequence[str]] = []
+    twice: set[str] = set()
     for row in rows:
-        values = {
-            f"{row[fields['name']].strip()}.{quantity}": row[k]
-            for fields in arrays.values()
-            for quantity, k in fields.items()
-        }
+        values: dict[str, str] = {}
+        for fields in arrays.values():
+            joint = row[fields["name"]].strip()
+            for quantity in fields.keys() - {"name"} if joint else ():
+                name = f"{joint}.{quantity}"
+                twice |= {name} & values.keys()
+                values[name] = row[fields[quantity]]
         dressed.append([row[clock], *(values.get(joint, "") for joint in joints), *(row[k] for k in kept)])
     heads = (own.get(joint, joint) for joint in joints)
     return (
@@ -57,4 +60,5 @@ def joints_of(
         dressed,
         {"time": "ns"},
         {column: joint for joint, column in own.items()},
+        twice,
     )

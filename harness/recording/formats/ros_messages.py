@@ -19,11 +19,15 @@ SINGULAR = {"positions": "position", "velocities": "velocity", "efforts": "effor
 STAMPS = ("header", "stamp", "timestamp", "time")
 
 
-def numbers_of(message: Any) -> dict[str, float]:
-    """Numbers of a message by path within it; text, flags, stamps and long arrays are left out."""
-    found: dict[str, float] = {}
+def numbers_of(message: Any) -> tuple[dict[str, float], set[str]]:
+    """Numbers of a message by path within it, and the paths that it states more than once.
+
+    Text, flags, stamps and long arrays are left out.
+    """
+    found: dict[str, list[float]] = {}
     _walk(message, "", (), found)
-    return found
+    numbers = {path: stated[0] for path, stated in found.items()}
+    return numbers, {path for path, stated in found.items() if len(stated) > 1}
 
 
 def stamp_of(message: Any) -> int | None:
@@ -56,7 +60,7 @@ def _members(value: Any) -> Iterator[tuple[str, Any]]:
                 yield field.name, getattr(value, field.name)
 
 
-def _walk(value: Any, prefix: str, joints: Sequence[str], found: dict[str, float]) -> None:
+def _walk(value: Any, prefix: str, joints: Sequence[str], found: dict[str, list[float]]) -> None:
     members = dict(_members(value))
     own = next((members[key] for key in NAMES if _are_names(members.get(key))), None)
     if own is not None:
@@ -72,28 +76,30 @@ def _walk(value: Any, prefix: str, joints: Sequence[str], found: dict[str, float
             if joints and len(array) == len(joints):
                 quantity = SINGULAR.get(key, key)
                 for joint, number in zip(joints, array, strict=True):
-                    found[f"{prefix}/{joint}/{quantity}".lstrip("/")] = float(number)
+                    found.setdefault(f"{prefix}/{joint}/{quantity}".lstrip("/"), []).append(float(number))
             elif 0 < len(array) <= LONGEST:
                 for k, number in enumerate(array):
-                    found[f"{path}[{k}]"] = float(number)
+                    found.setdefault(f"{path}[{k}]", []).append(float(number))
         elif isinstance(inner, bool | np.bool_ | str | bytes) or inner is None:
             continue
         elif isinstance(inner, int | float | np.integer | np.floating):
-            found[path] = float(inner)
+            found.setdefault(path, []).append(float(inner))
         elif isinstance(inner, list | tuple):
             _walk_list(inner, path, prefix, joints, found)
         else:
             _walk(inner, path, joints, found)
 
 
-def _walk_list(items: Sequence[Any], path: str, prefix: str, joints: Sequence[str], found: dict[str, float]) -> None:
+def _walk_list(
+    items: Sequence[Any], path: str, prefix: str, joints: Sequence[str], found: dict[str, list[float]]
+) -> None:
     """A list of messages: one for each joint with its own interfaces (``control_msgs/DynamicJointState``), or numbered."""
     for k, item in enumerate(items[:LONGEST]):
         members = dict(_members(item))
         words, values = members.get("interface_names"), _array(members.get("values"))
         if len(items) == len(joints) and _are_names(words) and values is not None and len(values) == len(words or ()):
             for word, number in zip(words or (), values, strict=True):
-                found[f"{prefix}/{joints[k]}/{word}".lstrip("/")] = float(number)
+                found.setdefault(f"{prefix}/{joints[k]}/{word}".lstrip("/"), []).append(float(number))
         elif members:
             _walk(item, f"{path}[{k}]", (), found)
 

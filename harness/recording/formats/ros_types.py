@@ -26,6 +26,14 @@ class UnknownMessageError(ValueError):
     """No message of the topic can be read; the text says why, with the topic as its subject."""
 
 
+def _once(members: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object of JSON; ValueError where it has two members of one name, of which the last would hide the first."""
+    found = dict(members)
+    if len(found) < len(members):
+        raise ValueError("two members of one name")
+    return found
+
+
 class Decoder:
     """Reads messages; keeps one store of types for ROS 1 and one for ROS 2, and which definitions it has looked at."""
 
@@ -40,7 +48,7 @@ class Decoder:
         bytes that are none of that type.
         """
         if raw.encoding == "json":
-            return json.loads(raw.data)
+            return json.loads(raw.data, object_pairs_hook=_once)
         if raw.encoding not in ("cdr", "ros1"):
             raise UnknownMessageError(f"is encoded as {raw.encoding!r}")
         kind = raw.kind if raw.kind.count("/") > 1 else raw.kind.replace("/", "/msg/", 1)

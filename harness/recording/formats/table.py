@@ -56,6 +56,16 @@ def left_out(channel: str, what: str) -> QualityNote:
     return QualityNote(NOT_READ, channel, what, "left out")
 
 
+def stated_twice(path: Path, name: str) -> InputError:
+    """The fault of a column of which one message states two numbers."""
+    return InputError(
+        "is stated twice in one message",
+        mend=f"have it published once, or leave it out: --map '{name}=ignore'",
+        source=path,
+        column=name,
+    )
+
+
 TWICE = "is the name of two columns"
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from harness.errors import InputError
 from harness.recording.formats.ros_messages import numbers_of, stamp_of
 from harness.recording.formats.ros_types import Decoder, RawMessage, UnknownMessageError
-from harness.recording.formats.table import Table, left_out
+from harness.recording.formats.table import Table, left_out, stated_twice
 from harness.recording.recording import QualityNote
 
 
@@ -18,6 +18,7 @@ def read_messages(path: Path, messages: Iterable[RawMessage]) -> Table:
     """The numbers of all messages that can be read; raises InputError, naming a topic and why, if none can."""
     decoder = Decoder()
     samples: list[tuple[str, int, dict[str, float]]] = []
+    twice: set[str] = set()
     failed: dict[str, str] = {}
     broken: dict[str, int] = {}
     for raw in messages:
@@ -31,7 +32,8 @@ def read_messages(path: Path, messages: Iterable[RawMessage]) -> Table:
         except ValueError:
             broken[raw.topic] = broken.get(raw.topic, 0) + 1
             continue
-        numbers = numbers_of(content)
+        numbers, doubled = numbers_of(content)
+        twice |= {named(raw.topic, number) for number in doubled}
         if numbers:
             stamp = stamp_of(content)
             samples.append((raw.topic, raw.time if stamp is None else stamp, numbers))
@@ -42,10 +44,16 @@ def read_messages(path: Path, messages: Iterable[RawMessage]) -> Table:
         )
     notes = [left_out(topic, reason) for topic, reason in failed.items()]
     notes += [left_out(topic, f"{count} messages are damaged") for topic, count in broken.items()]
-    return _merged(path, samples, notes)
+    faults = {name: stated_twice(path, name) for name in twice}
+    return _merged(path, samples, notes, faults)
 
 
-def _merged(path: Path, samples: Iterable[tuple[str, int, dict[str, float]]], notes: Iterable[QualityNote]) -> Table:
+def _merged(
+    path: Path,
+    samples: Iterable[tuple[str, int, dict[str, float]]],
+    notes: Iterable[QualityNote],
+    faults: Mapping[str, InputError],
+) -> Table:
     """One column for each number of each topic, ``/joint_states/pivot/position``, nan where another topic has its message.
 
     samples: topic, stamp [ns] and numbers by path. What is found in one topic only goes by its path alone as well. Raises
@@ -61,7 +69,7 @@ def _merged(path: Path, samples: Iterable[tuple[str, int, dict[str, float]]], no
     first = ordered[0][1]
     rows: dict[tuple[int, int], dict[str, float]] = {}
     for topic, stamp, numbers in ordered:
-        values = {f"/{topic.strip('/')}/{key}" if topic else key: number for key, number in numbers.items()}
+        values = {named(topic, key): number for key, number in numbers.items()}
         turn = 0
         # A second message of one stamp is a sample of its own.
         while rows.get((stamp, turn), {}).keys() & values.keys():
@@ -75,11 +83,17 @@ def _merged(path: Path, samples: Iterable[tuple[str, int, dict[str, float]]], no
     topics = {f"/{topic.strip('/')}/" for topic, _, _ in ordered}
     return Table(
         columns,
+        faults=faults,
         origins={"time": first * 1e-9},
         aliases=_aliases(names, topics),
         interleaved=len({topic for topic, _, _ in ordered}) > 1,
         notes=notes,
     )
+
+
+def named(topic: str, path: str) -> str:
+    """A column's name: ``/joint_states/pivot/position``."""
+    return f"/{topic.strip('/')}/{path}" if topic else path
 
 
 def _aliases(names: list[str], topics: set[str]) -> dict[str, str]:
