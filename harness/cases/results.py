@@ -17,6 +17,7 @@ from harness.notebook import frame, html_table
 
 SCHEMA = "denoc.results/1"
 VERDICTS = ("pass", "fail", "skipped")
+LARGEST = 1e200  # of a plot: axes around larger numbers overflow
 _MEND = "give the results.json of `denoc validate --out DIR`"
 
 
@@ -163,8 +164,16 @@ def from_dict(document: object, source: str | Path | None = None) -> Results:
         )
     found = shaped(document, _Document, source=source, mend=_MEND)
     for row in found.rows:
+        if not row.engines:
+            raise InputError(f"row {row.key[:120]} names no engine", source=source, mend=_MEND)
         if row.verdict not in VERDICTS:
             raise InputError(f"row {row.key[:120]} has the verdict {row.verdict[:40]!r}", source=source, mend=_MEND)
+    for line in found.series:
+        where = f"a line of {line.case[:60]}, {line.figure[:40]}, {line.label[:60]!r},"
+        if len(line.x) != len(line.y):
+            raise InputError(f"{where} has {len(line.x)} x and {len(line.y)} y", source=source, mend=_MEND)
+        if any(value is not None and abs(value) > LARGEST for value in (*line.x, *line.y, *line.marks.values())):
+            raise InputError(f"{where} has a number beyond {LARGEST:g}", source=source, mend=_MEND)
     return Results(
         found.rows,
         tuple(line.series() for line in found.series),

@@ -28,7 +28,7 @@ def apply(system: System, attachment: Attachment) -> System:
     cannot have the effect.
     """
     law = effect(attachment.effect)
-    _check_site(law, system, attachment.site)
+    check_site(law, system, attachment.site)
     law = with_room(law, system, attachment.site)
     values = law.named(law.values(attachment.parameters))
     if law.reshape is not None:
@@ -93,7 +93,8 @@ def input_chain(attachments: Sequence[Attachment], joint: str) -> tuple[tuple[Ef
     return tuple(sorted(chosen, key=lambda pair: pair[0].input.stage if pair[0].input else 0))
 
 
-def _check_site(law: Effect, system: System, site: str) -> None:
+def check_site(law: Effect, system: System, site: str) -> None:
+    """InputError where a system has no such joint, loop, link or base; sites of sensors are not looked at."""
     known: tuple[str, ...]
     if law.site == "joint":
         known = (*system.joint_names, *(gimbal.name for gimbal in system.gimbals), *pins(system))

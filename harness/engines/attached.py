@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections import Counter
 
 from harness.effects import effect
-from harness.effects.attach import JOINT_FIELDS
+from harness.effects.attach import JOINT_FIELDS, check_site
 from harness.effects.effect import SiteKind
+from harness.effects.room import with_room
 from harness.errors import InputError
 from harness.recording.recording import JOINT_QUANTITIES, LINK_QUANTITIES, SPATIAL_UNITS
 from harness.system import System
@@ -14,14 +15,19 @@ from harness.system.suggest import did_you_mean
 
 
 def check_attached(system: System) -> None:
-    """Refuse an effect of a sensor or an input at what is none, and two laws of one name at one site.
+    """Refuse an effect at what is none, with parameters that it has not or cannot have, and two laws of one name at one site.
 
     Damping, dry friction and springs add up, and so does what changes the mechanism; of other laws the later would stand for both.
     Raises InputError for these, and for an effect that does not exist.
     """
     channels = channels_of(system)
     for attachment in system.attachments:
-        kind = effect(attachment.effect)
+        try:
+            kind = effect(attachment.effect)
+            check_site(kind, system, attachment.site)
+            with_room(kind, system, attachment.site).values(attachment.parameters)
+        except InputError as fault:
+            raise type(fault)(fault.what, mend=fault.mend, source=system.source) from None
         known: tuple[str, ...] | None = None
         if kind.site is SiteKind.CHANNEL and not (kind.sensor is not None and kind.sensor.every_channel):
             known = channels

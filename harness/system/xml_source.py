@@ -14,6 +14,10 @@ from lxml import etree
 
 from harness.errors import InputError, UnsupportedError
 
+# What of a URDF says how it moves; paths of meshes may hold what another tool expands.
+_MOVING = (
+    "link", "joint", "parent", "child", "origin", "axis", "mass", "inertia", "limit", "dynamics", "mimic",
+)  # fmt: skip
 _XACRO = ("http://www.ros.org/wiki/xacro", "http://ros.org/wiki/xacro", "http://wiki.ros.org/xacro")
 
 
@@ -95,6 +99,15 @@ def parse_xml(data: bytes, source: Path | None = None) -> Any:
                 source=source,
                 line=element.sourceline,
             )
+        if root.tag == "robot" and name in _MOVING:
+            for key, value in element.attrib.items():
+                if "${" in value or "$(" in value:
+                    raise UnsupportedError(
+                        f"{key}={value!r} of <{name}> is not expanded",
+                        mend="run `xacro file.xacro > file.urdf` first",
+                        source=source,
+                        line=element.sourceline,
+                    )
     return root
 
 

@@ -293,3 +293,24 @@ def test_limits_beyond_any_machine_mean_none(tmp_path: Path) -> None:
     text = joint('<axis xyz="0 1 0"/><limit lower="-1e9" upper="1e12" effort="inf" velocity="2"/>', kind="revolute")
     pivot = load_text(tmp_path, ROBOT.format(body() + text)).joint("pivot")
     assert (pivot.lower, pivot.upper, pivot.effort, pivot.velocity) == (-np.inf, np.inf, np.inf, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("plain", "left_over"),
+    [
+        ('xyz="0 1 0"', 'xyz="${axis} 1 0"'),
+        ('name="pivot"', 'name="${prefix}pivot"'),
+        ('value="0.2"', 'value="$(arg mass)"'),
+    ],
+)
+def test_expressions_of_xacro_that_were_not_expanded_are_no_names_and_no_numbers(tmp_path, plain, left_over):
+    text = """<robot name="r"><link name="base"/><link name="rod"><inertial><origin xyz="0 0 -0.15"/><mass value="0.2"/>
+<inertia ixx="1.5e-3" iyy="1.5e-3" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial>
+<visual><geometry><mesh filename="$(find rig)/rod.stl"/></geometry></visual></link>
+<joint name="pivot" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint></robot>"""
+    file = tmp_path / "rig.urdf"
+    file.write_text(text)
+    assert harness.load(file).joint_names == ("pivot",)
+    file.write_text(text.replace(plain, left_over))
+    with pytest.raises(UnsupportedError, match=r"rig.urdf:\d: .* is not expanded \(run `xacro"):
+        harness.load(file)
