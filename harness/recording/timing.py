@@ -15,6 +15,7 @@ from harness.system.description import Array
 
 UNORDERED_SHARE = 0.05  # of the samples; more is no jitter but two recordings in one, or the wrong column
 LATE_AT_MOST = 10  # samples that one at the beginning comes late by
+COARSEST = 100  # samples between the first and the last tick of a rounded clock; in fewer their rate is not known to a per cent
 REPEATED_SHARE = 0.1  # of the samples; more is a rounded clock
 GAP_FACTOR = 5.0  # interval over the median one, and over twice the 99th percentile
 SAME = 1e-9  # of the median interval; stamps closer than that are one
@@ -136,7 +137,16 @@ def _join(
     steps = np.diff(time)
     quantum = float(np.min(steps[steps > 0.0]))
     index = np.arange(len(time), dtype=np.float64)
-    slope, intercept = np.polyfit(index, time, 1)
+    # Where the clock goes on is known to a sample, wherever in its digit it was begun and ended.
+    ticks = np.flatnonzero(steps > 0.0)
+    if len(ticks) < 3 or ticks[-1] - ticks[0] < COARSEST:
+        raise InputError(
+            f"time goes on {len(ticks)} times only, by {quantum:.3g} s, in {len(time)} samples",
+            mend="export the time with more digits",
+            source=source,
+            column="time",
+        )
+    slope, intercept = np.polyfit(ticks + 0.5, time[ticks + 1], 1)
     even = intercept + slope * index
     if float(np.abs(even - time).max()) > 1.5 * quantum:
         raise InputError(

@@ -2,6 +2,7 @@
 
 import copy
 import json
+from typing import Any
 
 import pytest
 
@@ -27,7 +28,12 @@ CURVE = {
     "x_label": "time [s]",
     "y_label": "angle [rad]",
 }
-DOCUMENT = {"schema": "denoc.results/1", "rows": [ROW], "series": [CURVE], "cases": {"rig": {"title": "A rig"}}}
+DOCUMENT: dict[str, Any] = {
+    "schema": "denoc.results/1",
+    "rows": [ROW],
+    "series": [CURVE],
+    "cases": {"rig": {"title": "A rig"}},
+}
 
 
 def test_the_document_is_one():
@@ -47,7 +53,7 @@ def test_the_document_is_one():
 )
 def test_what_no_longer_fits_together_is_one_line(tmp_path, capsys, where, value, said):
     document = copy.deepcopy(DOCUMENT)
-    target = document
+    target: Any = document
     for key in where[:-1]:
         target = target[key]
     target[where[-1]] = value

@@ -14,6 +14,8 @@ from harness.recording.formats.table import Table, left_out, stated_twice
 from harness.recording.recording import QualityNote
 from harness.system.description import Array
 
+MINUS = "\N{MINUS SIGN}"
+
 
 def read_text(path: Path, content: bytes, readable: str) -> Table:
     """Columns of a text file's bytes; raises InputError for what is no text. readable: what else could be given."""
@@ -33,6 +35,7 @@ def read_text(path: Path, content: bytes, readable: str) -> Table:
     odd = sum(1 for letter in sample if (letter < " " and letter not in "\t\r\n") or letter == "\x7f")
     if odd > 0:
         raise InputError("is not text and no format that is known", mend=f"give {readable}", source=path)
+    text = text.replace(MINUS, "-")
     return read_lvm(path, text) if is_lvm(text) else read_csv(path, text)
 
 

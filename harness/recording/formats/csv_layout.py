@@ -19,6 +19,7 @@ from harness.recording.formats.stamps import is_stamp
 from harness.recording.units import is_unit
 
 MARKS = ("\t", ";", ",", " ")
+PARTED = {"\t": "tabs", ";": "semicolons", ",": "commas", " ": "blanks"}
 COMMENTS = ("#", "%", "//")
 SAMPLE = 40  # rows that are looked at
 BRACKETED = re.compile(r"^[\[(].*[\])]$")
@@ -97,11 +98,16 @@ def _with_header(path: Path, delimiter: str, head: list[Row], body: list[Row], w
         names_of_rows = bool(fitting) and not trailing and _are_names(row.cells[0] for row in body)
         fitting = fitting if names_of_rows or trailing else []
     if not fitting:
-        wrong = next((row for row in reversed(head) if not row.comment and len(row.cells) > 1), None)
+        above = [row for row in reversed(head) if not row.comment]
+        wrong = next((row for row in above if len(row.cells) > 1), above[0] if above else None)
         if wrong is not None:
+            many = len(wrong.cells)
+            mend = "mend or remove the line" if many > 1 else "part the header and the samples by one mark"
+            if delimiter == "," and width == 2 * many:
+                mend = "commas part cells, and decimals too: write decimal points, or part cells by semicolons"
             raise InputError(
-                f"has {width} cells where the header has {len(wrong.cells)}",
-                mend="mend or remove the line",
+                f"has {width} cells{'' if many > 1 else f', parted by {PARTED[delimiter]},'} where the header has {many}",
+                mend=mend,
                 source=path,
                 line=body[0].line,
             )
@@ -120,7 +126,9 @@ def _with_header(path: Path, delimiter: str, head: list[Row], body: list[Row], w
     names = [cell.strip().lstrip("﻿") for cell in header.cells]
     if names_of_rows:
         names = ["", *names]
-    names, above = _unique(names, fitting[:-1])
+    names, above = _whole(names, fitting[:-1])
+    names, further = _unique(names, fitting[: len(fitting) - 1 - len(above)])
+    above += further
     part = {row.line for row in above}
     skipped = tuple(row.line for row in head if not row.comment and row.line < header.line and row.line not in part)
     if trailing and len(names) == width and not names[-1]:
@@ -204,6 +212,19 @@ def _bare(cell: str) -> str:
 def _is_units(row: Row) -> bool:
     told = [cell.strip() for cell in row.cells if not is_absent(cell)]
     return bool(told) and all(BRACKETED.match(cell) or is_unit(cell) for cell in told)
+
+
+def _whole(names: list[str], above: list[Row]) -> tuple[list[str], list[Row]]:
+    """Names of which a row above has the first part (pivot over position), and has them whole where none stands below; that row."""
+    over = [cell.strip() for cell in above[-1].cells] if above else []
+    both = any(o and n for o, n in zip(over, names, strict=False))
+    if not both or not any(o and not n for o, n in zip(over, names, strict=False)):
+        return names, []
+    found, last = [], ""
+    for o, n in zip(over, names, strict=False):
+        last = o or last  # a name may stand over the first of its columns only
+        found.append(f"{last}.{n}" if last and n else o or n)
+    return found, [above[-1]]
 
 
 def _unique(names: list[str], above: list[Row]) -> tuple[list[str], list[Row]]:
