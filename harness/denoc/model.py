@@ -93,6 +93,9 @@ class Denoc:
     def __new__(cls, system: System) -> Denoc:
         """An object of the class that holds what the system has."""
         kind = cls
+        if not isinstance(system, System):
+            what = f"Denoc is of a System, not of a {type(system).__name__}"
+            raise InputError(what, mend="read a file by harness.load(path)")
         if cls is Denoc and Denoc.of_carried_weight and any(link.gravcomp for link in system.links):
             kind = Denoc.of_carried_weight
         if cls is Denoc and Denoc.of_loops and system.loops:

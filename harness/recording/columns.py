@@ -82,6 +82,15 @@ def parse_rule(text: str, *, optional: bool = False, source: str = "--map") -> R
     return make_rule(foreign.strip(), ours.strip(), optional=optional, source=source)
 
 
+def told_rules(mapping: str | Sequence[str] | Mapping[str, str] | None) -> tuple[Rule, ...]:
+    """Rules as given: one or several as on the command line, or what each foreign header stands for by its name."""
+    if isinstance(mapping, str):
+        return (parse_rule(mapping),)
+    if isinstance(mapping, Mapping):
+        return tuple(make_rule(name, ours.strip(), optional=False, source="mapping") for name, ours in mapping.items())
+    return tuple(parse_rule(text) for text in mapping or ())
+
+
 def make_rule(foreign: str, ours: str, *, optional: bool, source: str) -> Rule:
     """A rule from the foreign header and what it stands for."""
     sign = 1.0
@@ -244,7 +253,8 @@ def resolve(
             )
     if "time" not in taken:
         _refuse_unread(("time", *(rule.foreign for rule in rules if rule.ours == "time")), unread, source)
-        raise InputError("there is no column 'time'", mend=_time_mend(headers), source=source)
+        named = ", ".join(repr(header[:60]) for header in headers[:6]) + (", …" if len(headers) > 6 else "")
+        raise InputError(f"there is no column 'time'; found {named or 'none'}", mend=_time_mend(headers), source=source)
     ignored += _left_out(strangers, found, system)
     if len(found) < 2:
         _refuse_unread(

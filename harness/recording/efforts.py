@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.errors import InputError
 from harness.recording.clean import fill_effort
-from harness.recording.columns import parse_rule, resolve, rules_beside
+from harness.recording.columns import resolve, rules_beside, told_rules
 from harness.recording.formats import read_table
 from harness.recording.read import check_clock_of, factor_of, ignored_notes
 from harness.recording.recording import Channel, QualityNote
@@ -40,7 +40,7 @@ def read_efforts(path: str | Path, system: System, *, mapping: Sequence[str] = (
     """
     file = Path(path)
     table = read_table(file)
-    own = tuple(parse_rule(text) for text in mapping)
+    own = told_rules(mapping)
     mapped = {rule.foreign for rule in own}
     rules = own + tuple(rule for rule in rules_beside(file) if rule.foreign not in mapped)
     found = resolve(tuple(table.columns), rules, system, source=file, aliases=table.aliases, unread=table.unread)

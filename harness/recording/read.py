@@ -17,7 +17,7 @@ from harness.recording.clean import (
     quantisation_step,
 )
 from harness.recording.clocks import one_clock
-from harness.recording.columns import Column, Rule, parse_rule, resolve, rules_beside, unpacked_name
+from harness.recording.columns import Column, Rule, resolve, rules_beside, told_rules, unpacked_name
 from harness.recording.folded import unfold
 from harness.recording.formats import Table, read_table
 from harness.recording.jitter import jitter_note
@@ -37,25 +37,29 @@ COARSE_SHARE = 0.02  # of equal neighbours, from which a step is worth a word
 
 
 def read_recording(
-    path: str | Path, *, mapping: str | Sequence[str] | None = (), system: System | None = None
+    path: str | Path, *, mapping: str | Sequence[str] | Mapping[str, str] | None = (), system: System | None = None
 ) -> Recording:
     """Read one recording.
 
     path: CSV, Parquet, HDF5, netCDF, MATLAB, NumPy, MCAP or a ROS bag, packed or not, told by content.
-    mapping: rules for foreign headers, ``theta_meas=pivot.position[deg]``, one or several; before those of a TOML file beside it.
+    mapping: rules for foreign headers, ``theta_meas=pivot.position[deg]``, one or several, or a dictionary;
+        before those of a TOML file beside it.
     system: to check joints and links against, and to tell revolute from prismatic ones.
     Raises InputError, naming file, line and column, for what cannot be used; what was mended stands in ``quality``.
     """
     file = Path(path)
     table = read_table(file)
-    own = tuple(parse_rule(text) for text in ((mapping,) if isinstance(mapping, str) else mapping or ()))
+    own = told_rules(mapping)
     mapped = {rule.foreign for rule in own}
     rules = own + tuple(rule for rule in rules_beside(file) if rule.foreign not in mapped)
     return recording_from_table(table, rules, system, file)
 
 
 def read_recordings(
-    paths: Iterable[str | Path], *, mapping: str | Sequence[str] | None = (), system: System | None = None
+    paths: Iterable[str | Path],
+    *,
+    mapping: str | Sequence[str] | Mapping[str, str] | None = (),
+    system: System | None = None,
 ) -> tuple[Recording, ...]:
     """Read several recordings of one system, in the order given; see ``read_recording``.
 

@@ -129,3 +129,11 @@ def test_short_recordings_in_one_file_are_no_rounded_clock(tmp_path, samples):
     rows = [(0.01 * (k % samples), x) for k, x in enumerate(ANGLE)]
     with pytest.raises(InputError, match=rf"run.csv:{samples + 2}, column time: time jumps back"):
         read_recording(written(tmp_path, "time,pivot.position", rows))
+
+
+def test_a_mapping_may_be_a_dictionary(tmp_path):
+    file = written(tmp_path, "t=,theta [deg]", every_hundredth(DEGREES))
+    recording = read_recording(file, mapping={"t=": "time", "theta": "-pivot.position"})
+    np.testing.assert_allclose(recording.channels[0].values, np.negative(ANGLE), atol=1e-12)
+    with pytest.raises(InputError, match=r"mapping: mapping of 'theta': 'pivot.pos' is no column of a recording"):
+        read_recording(file, mapping={"theta": "pivot.pos"})
