@@ -342,12 +342,12 @@ def _spelt_ours(name: str, system: System | None) -> str:
         return name
     path, _, quantity = name.rpartition("/")
     if "." in quantity and quantity.rpartition(".")[2] in QUANTITIES:
-        return quantity
+        path, _, quantity = name.rpartition(".")  # as `denoc simulate` writes it
     if quantity not in QUANTITIES:
         return name
     sites = () if system is None else (*system.joint_names, *(link.name for link in system.links))
-    site = next((site for site in sites if path == site or path.endswith("/" + site)), path.rpartition("/")[2])
-    return f"{site}.{quantity}"
+    known = [site for site in sites if path == site or path.endswith("/" + site)]
+    return f"{max(known, key=len, default=path.rpartition('/')[2])}.{quantity}"
 
 
 def _left_out(

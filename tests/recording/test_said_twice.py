@@ -9,6 +9,7 @@ from mcap.writer import Writer
 
 from harness.errors import InputError
 from harness.recording import read_recording
+from harness.system import load
 
 ANGLE = [0.8 * math.cos(0.05 * k) for k in range(300)]  # rad
 DEGREES = np.degrees(ANGLE)
@@ -137,3 +138,41 @@ def test_a_mapping_may_be_a_dictionary(tmp_path):
     np.testing.assert_allclose(recording.channels[0].values, np.negative(ANGLE), atol=1e-12)
     with pytest.raises(InputError, match=r"mapping: mapping of 'theta': 'pivot.pos' is no column of a recording"):
         read_recording(file, mapping={"theta": "pivot.pos"})
+
+
+SIDES = """
+[[joint]]
+name = "left/pivot"
+type = "revolute"
+parent = "base"
+child = "a"
+axis = [0, 1, 0]
+[[joint]]
+name = "pivot"
+type = "revolute"
+parent = "base"
+child = "b"
+axis = [0, 1, 0]
+[[link]]
+name = "a"
+mass = 0.2
+com = [0, 0, -0.15]
+inertia = [1.5e-3, 1.5e-3, 1e-6]
+[[link]]
+name = "b"
+mass = 0.2
+com = [0, 0, -0.15]
+inertia = [1.5e-3, 1.5e-3, 1e-6]
+"""
+
+
+@pytest.mark.parametrize(
+    "left", ["left/pivot.position", "/joint_states/left/pivot/position", "/joint_states/left/pivot.position"]
+)
+@pytest.mark.parametrize("right", ["pivot.position", "/joint_states/pivot/position"])
+def test_a_joint_with_a_slash_in_its_name_is_not_another_that_has_its_last_part(tmp_path, left, right):
+    (tmp_path / "rig.toml").write_text(SIDES)
+    rows = [(0.01 * k, x, -x) for k, x in enumerate(ANGLE)]
+    recording = read_recording(written(tmp_path, f"time,{left},{right}", rows), system=load(tmp_path / "rig.toml"))
+    assert [channel.name for channel in recording.channels] == ["left/pivot.position", "pivot.position"]
+    np.testing.assert_allclose(recording.channels[0].values, ANGLE)
