@@ -10,7 +10,12 @@ import numpy as np
 from harness.diagnose.answer.against_nominal import astray, beside_findings, nothing_added, within_tolerances
 from harness.diagnose.answer.augmented import augmented
 from harness.diagnose.answer.claims_as_data import finding_rows, plainer_rivals, rivals_as_data, units_of
-from harness.diagnose.answer.constants import INTERVALS_SHARE, PREDICTING_SHARE, REPLAY_TIME
+from harness.diagnose.answer.constants import (
+    INTERVALS_SHARE,
+    POSSIBLY_EXPLAINED_SHARE,
+    PREDICTING_SHARE,
+    REPLAY_TIME,
+)
 from harness.diagnose.answer.correlations import correlations
 from harness.diagnose.answer.curves import curves
 from harness.diagnose.answer.diagnosis import Diagnosis
@@ -29,6 +34,7 @@ from harness.diagnose.answer.explain import (
 from harness.diagnose.answer.findings import in_words, rivals_of
 from harness.diagnose.answer.formula import form_text, formula
 from harness.diagnose.answer.intervals_told import curvatures, intervals
+from harness.diagnose.answer.kinds_told import certain_dissipation
 from harness.diagnose.answer.left_out import LeftOut, explained_share, left_out
 from harness.diagnose.answer.next_experiment import next_experiment
 from harness.diagnose.answer.predictive import predictive
@@ -55,6 +61,7 @@ from harness.diagnose.levels.differing_levels import Differing
 from harness.diagnose.levels.disagreement import Disagreement
 from harness.diagnose.problem.deadline import Stage
 from harness.diagnose.selection.outcome import Outcome, as_read
+from harness.effects.effect import Family
 from harness.parallel import meanwhile
 from harness.recording import Recording
 from harness.recording.units import written
@@ -132,6 +139,11 @@ def answer(
     )
     proposed = proposal()
     text = [_summary(outcome, conclusion, values, zeros, rows, grades, left), *([levels.sentence] if levels else [])]
+    firm = [c.candidate for c in conclusion.claims if grades[c.candidate.key] != POSSIBLE]
+    removed = explained_share(rows)
+    if not conclusion.hurried and removed is not None and removed > POSSIBLY_EXPLAINED_SHARE:
+        braked = [member.site for member in firm if member.effect.family is Family.DISSIPATION]
+        text += [certain_dissipation(outcome, braked)]
     text += [disagreement_words(apart, problem)]
     text += [form.sentence] if form is not None else []
     own = conclusion.own
