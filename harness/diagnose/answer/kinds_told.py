@@ -33,4 +33,5 @@ def certain_dissipation(outcome: Outcome, told: Collection[str]) -> str:
     ]
     if not joints:
         return ""
-    return f"That what brakes {' and '.join(joints)} is not as modelled is certain; whether it is dry friction, drag or damping is not."
+    where = " and ".join(joints)
+    return f"That what brakes {where} is not as modelled is certain; whether it is dry friction, drag or damping is not."
