@@ -34,4 +34,6 @@ def certain_dissipation(outcome: Outcome, told: Collection[str]) -> str:
     if not joints:
         return ""
     where = " and ".join(joints)
-    return f"That what brakes {where} is not as modelled is certain; whether it is dry friction, drag or damping is not."
+    return (
+        f"That what brakes {where} is not as modelled is certain; whether it is dry friction, drag or damping is not."
+    )
