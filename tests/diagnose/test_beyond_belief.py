@@ -61,7 +61,10 @@ def cut_short(
 ) -> tuple[SimpleNamespace, SimpleNamespace]:
     """An outcome and its conclusion when the time was up, of sets that leave noise."""
     claim.gain = gain
-    study = SimpleNamespace(likelihood=SimpleNamespace(rounded=1.0), stretched=lambda fitted: bent)
+    study = SimpleNamespace(
+        likelihood=SimpleNamespace(rounded=1.0, colours=(), problem=SimpleNamespace(channels=())),
+        stretched=lambda fitted: bent,
+    )
     conclusion = SimpleNamespace(
         hurried=True, level=level, remains=SimpleNamespace(significant=False), best=SimpleNamespace(cost=1000.0)
     )

@@ -5,10 +5,13 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import pytest
+from simulated_recordings import nominal
 
 from harness.diagnose.answer import kinds_told
 from harness.diagnose.answer.kinds_told import certain_dissipation
+from harness.diagnose.problem.candidates import candidates
 from harness.effects.catalogue import effect
+from harness.errors import InputError
 
 
 def sets(*rows: tuple[float, tuple[str, ...]]) -> list[tuple[float, SimpleNamespace]]:
@@ -40,3 +43,8 @@ def test_laws_that_share_the_odds_make_their_kind_certain(monkeypatch: pytest.Mo
     assert certain_dissipation(OUTCOME, ("hip",)) == ""
     # Without a force that is left out, laws stand or fall by themselves.
     assert certain_dissipation(SimpleNamespace(evidence=None), ()) == ""
+
+
+def test_a_name_that_is_no_effect_is_refused() -> None:
+    with pytest.raises(InputError, match="coulomb_friction"):
+        candidates(nominal(), [], only=["coulomb"])

@@ -22,7 +22,7 @@ from harness.diagnose.claims.constants import (
     WAVE_RATIO,
 )
 from harness.diagnose.criticism.constants import FAKED_RATIO
-from harness.diagnose.criticism.remainder import above_floor
+from harness.diagnose.criticism.remainder import above_floor, slower_than_scatter
 from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95
 from harness.diagnose.estimation.discrepancy import responses
 from harness.diagnose.estimation.dispersion import Dispersion, dispersion
@@ -157,7 +157,11 @@ def grade(
     if conclusion.hurried and _unasked(outcome, conclusion, claim, values):
         return POSSIBLE
     unweighed = conclusion.hurried and outcome.evidence is None
-    if unweighed and (outcome.force is not None or above_floor(conclusion.level, outcome.study.likelihood)):
+    if unweighed and (
+        outcome.force is not None
+        or above_floor(conclusion.level, outcome.study.likelihood)
+        or slower_than_scatter(outcome.study.likelihood)
+    ):
         return POSSIBLE
     if outcome.force is None:
         if effect_says_not_what(claim.candidate, values):

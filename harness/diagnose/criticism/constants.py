@@ -159,3 +159,5 @@ EVENT_STRIDE_PERIODS = 0.25
 EVENT_ROUNDS = 2
 # times; that moments and parameters are found in turn, at most, until neither changes; chosen
 EVENT_EXCHANGES = 10
+# times the sensors' own scatter from sample to sample; beyond which what is left is no noise of theirs; chosen
+SLOW_NOISE_RATIO = 4.0

@@ -16,9 +16,10 @@ import numpy as np
 
 from harness.diagnose.criticism.check import Asked, Check, Form, Map, Remainder, Test
 from harness.diagnose.criticism.checks.catalogue import checks
-from harness.diagnose.criticism.constants import COMPLETE_RESIDUAL_RATIO, TEST_CHANCE
+from harness.diagnose.criticism.constants import COMPLETE_RESIDUAL_RATIO, SLOW_NOISE_RATIO, TEST_CHANCE
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.selection.study import Study
 from harness.parallel import meanwhile
 
@@ -26,6 +27,12 @@ from harness.parallel import meanwhile
 def above_floor(level: float, likelihood: Likelihood) -> bool:
     """Whether what is left of data held out, over the noise, is more than a complete model leaves of readings so rounded."""
     return bool(level > COMPLETE_RESIDUAL_RATIO * np.sqrt(likelihood.rounded))
+
+
+def slower_than_scatter(likelihood: Likelihood) -> bool:
+    """Whether what passes for noise of a channel is far more than its readings scatter: it may be a force that is left out."""
+    own = crude_colours(likelihood.problem)
+    return any(c.std > SLOW_NOISE_RATIO * o.std for c, o in zip(likelihood.colours, own, strict=True))
 
 
 @dataclass(frozen=True, eq=False)

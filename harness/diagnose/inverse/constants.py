@@ -180,8 +180,6 @@ SHAPE_CHANCE = 1e-4
 SHAPE_SHARE = 0.05
 # times the training residual; that the held-out one may be; chosen
 HELD_OUT_RATIO = 1.3
-# times the sensors' own scatter in the band; beyond which what is left is no noise of theirs; chosen
-SLOW_NOISE_RATIO = 4.0
 # standard deviations; by which data held out, or a nominal quantity, must be off to count; chosen
 SURELY_OFF_SIGMAS = 5.0
 # relative size; of what shapes have in common, below which it is rounding; chosen above double rounding (2e-16)

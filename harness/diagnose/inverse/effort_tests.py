@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 from scipy.stats import f as fisher
 
-from harness.diagnose.criticism.constants import COMPLETE_RESIDUAL_RATIO
+from harness.diagnose.criticism.constants import COMPLETE_RESIDUAL_RATIO, SLOW_NOISE_RATIO
 from harness.diagnose.inverse.band import motion_noise
 from harness.diagnose.inverse.constants import (
     HELD_OUT_RATIO,
     SHAPE_CHANCE,
     SHAPE_SHARE,
     SHAPES_DEPENDENT,
-    SLOW_NOISE_RATIO,
     SURELY_OFF_SIGMAS,
 )
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit

@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.effects.catalogue import catalogue, sites
+from harness.effects.catalogue import effect as named
 from harness.effects.effect import BY_MODEL, Effect, SiteKind
 from harness.effects.lanes import lane_model
 from harness.effects.lines import lines_of
@@ -27,8 +28,11 @@ def candidates(
 ) -> tuple[Candidate, ...]:
     """Every effect of the catalogue at every site where one of the recordings could show it.
 
-    only: names to restrict the search to. further: effects of the user's own.
+    only: names to restrict the search to; InputError, with the nearest name, if there is no such effect. further: effects of the
+    user's own.
     """
+    for name in sorted(set(only) - {own.name for own in further}):
+        named(name)
     effects = [e for e in catalogue().values() if not only or e.name in only] + list(further)
     found: dict[str, Candidate] = {}
     for effect in effects:
