@@ -47,6 +47,7 @@ from harness.diagnose.claims.grades import (
     foretells,
     grade,
     loosened,
+    may_be_absent,
     no_firmer_than_its_law,
     repeatability,
     repeated,
@@ -237,8 +238,11 @@ def _summary(
         for c in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies))
     ]
     firm = [words for member, words in titles if grades[member.key] != POSSIBLE]
-    # What can be bent to many shapes is told in the table alone.
-    possible = [words for _, words in titles] if all(member.effect.usual for member, _ in titles) else []
+    # What can be bent to many shapes is told in the table alone, and so is what may as well be absent.
+    there = [(m, words) for m, words in titles if not may_be_absent(m, values[m.key])]
+    possible = [words for _, words in there] if all(member.effect.usual for member, _ in there) else []
+    if possible and len(there) < len(titles):
+        possible[-1] += ", with what else the table has"
     rivals = [
         untold(c.candidate.effect.title, c.candidate.site, rivals_of(rivals_as_data(c), in_words))
         for c in conclusion.claims

@@ -255,7 +255,7 @@ def left_in_words(left: LeftOut, foretold: Foretold, noise: str) -> list[str]:
     size = f"a force of {force.size:.2g} {written(force.unit)}"
     natural = "the largest that gravity or inertia make there"
     share = f"{percent(force.share)} of {natural}" if force.share <= 1.0 else f"{times(force.share, 2)} times {natural}"
-    kept = f"which keeps for about {force.memory:.2g} s"
+    kept = f"which keeps for {'no longer than' if force.fleeting else 'about'} {force.memory:.2g} s"
     error = _error(foretold, noise)
     here = f"{foretold.channel}.".startswith(f"{force.joint}.")
     if not foretold.channel or not error or here:

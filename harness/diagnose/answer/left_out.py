@@ -20,7 +20,7 @@ class AtJoint:
     """The force left out at one joint: standard deviation, its unit, its share of the natural force there, its memory [s].
 
     between, gain: standard deviation between recordings of friction there, and of the effort as a share of it; 0 where they need
-    none of their own.
+    none of their own. fleeting: whether it keeps for no longer than could be told.
     """
 
     joint: str
@@ -30,6 +30,7 @@ class AtJoint:
     memory: float
     between: float = 0.0
     gain: float = 0.0
+    fleeting: bool = False
 
 
 @dataclass(frozen=True)
@@ -73,8 +74,8 @@ def left_out(outcome: Outcome, conclusion: Conclusion, between: Between) -> Left
     for joint, size in zip(force.joints, force.sizes, strict=True):
         unit = outcome.problem.system.joint(joint).force_unit
         natural = references(outcome.problem.system, joint).torque
-        apart = (of.get(joint, 0.0) for of in (between.friction, between.gain))
-        rows.append(AtJoint(joint, size, unit, size / natural, force.memory, *apart))
+        friction, gain = (of.get(joint, 0.0) for of in (between.friction, between.gain))
+        rows.append(AtJoint(joint, size, unit, size / natural, force.memory, friction, gain, force.fleeting))
     problem = outcome.problem
     left = left_force(outcome, conclusion.best, force)
     return LeftOut(tuple(rows), place_of(problem.system, [run.name for run in problem.runs], left))

@@ -168,7 +168,7 @@ def grade(
             return POSSIBLE
         if not conclusion.remains.significant:
             return firmest
-        unsure = _beyond(BEYOND_BELIEF_RATIO, claim, values) or _may_be_absent(claim.candidate, values)
+        unsure = _beyond(BEYOND_BELIEF_RATIO, claim, values) or may_be_absent(claim.candidate, values)
         return POSSIBLE if unsure or _any_smooth_force(outcome, conclusion, claim) else LIKELY
     if outcome.evidence is not None and (claim.of_class < SURE_PROBABILITY or not foretold):
         return POSSIBLE
@@ -228,7 +228,7 @@ def beside_a_remainder(
     effect = member.effect
     if gain < (PLAIN_LAW_RATIO if effect.plain else FAKED_RATIO) * excess:
         return POSSIBLE
-    if (placed(member) and not whole) or _may_be_absent(member, values):
+    if (placed(member) and not whole) or may_be_absent(member, values):
         return POSSIBLE
     first = next(iter(effect.parameters), None)
     stands = [
@@ -293,7 +293,7 @@ def _beyond(ratio: float, claim: Claim, values: Mapping[str, Estimate]) -> bool:
     return False
 
 
-def _may_be_absent(member: Candidate, values: Mapping[str, Estimate]) -> bool:
+def may_be_absent(member: Candidate, values: Mapping[str, Estimate]) -> bool:
     """Whether the interval of how strongly an effect acts holds that it does not."""
     first = next(iter(member.effect.parameters), None)
     return first is not None and _holds(first.neutral, values[first.name].low, values[first.name].high)

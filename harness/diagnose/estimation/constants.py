@@ -171,6 +171,8 @@ MOST_FORCE_KNOTS = 180
 MOST_KNOTS_A_SWING = 40.0
 # periods of the slowest swing; memory of a force: one that lasts longer is a constant one; chosen
 LONGEST_FORCE_MEMORY = 8.0
+# times the shortest memory that can be told; up to which a force is said to keep for no longer than that; chosen
+FLEETING_RATIO = 1.05
 # chance; of the gain in likelihood under sensor noise alone, below which there is such a force; chosen
 LEFT_FORCE_CHANCE = 1e-6
 # of the natural torque; smallest size of such a force that is looked at; chosen

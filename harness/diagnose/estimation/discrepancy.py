@@ -21,6 +21,7 @@ from scipy.optimize import minimize
 from scipy.stats import chi2
 
 from harness.diagnose.estimation.constants import (
+    FLEETING_RATIO,
     LARGEST_FORCE,
     LEFT_FORCE_CHANCE,
     LONGEST_FORCE_MEMORY,
@@ -54,7 +55,8 @@ class Discrepancy:
 
     joints: where it acts; sizes: standard deviations [N·m or N]; memory: correlation time [s]; gain: twice the log-likelihood over
     none; louder: variance of what is left beside it, in units of the sensors' noise (errors of the model too fast for a force over
-    the knots); scale: natural force that the responses are in, seen through that noise [N·m].
+    the knots); scale: natural force that the responses are in, seen through that noise [N·m]; shortest: memory that could be told
+    from none [s].
     """
 
     joints: tuple[str, ...]
@@ -64,6 +66,12 @@ class Discrepancy:
     louder: float
     scale: float
     responses: Responses
+    shortest: float = 0.0
+
+    @property
+    def fleeting(self) -> bool:
+        """Whether the memory is no longer than could be told: the force may change faster, or be noise of a sensor that does."""
+        return self.memory <= FLEETING_RATIO * self.shortest
 
 
 @dataclass(eq=False)
@@ -300,7 +308,14 @@ def estimate(
         return None
     sizes = tuple(float(s) * found.torque for s in np.exp(best[1][:n]))
     return Discrepancy(
-        tuple(joints), sizes, float(np.exp(best[1][n])), gain, louder, found.torque * float(np.sqrt(louder)), found
+        tuple(joints),
+        sizes,
+        float(np.exp(best[1][n])),
+        gain,
+        louder,
+        found.torque * float(np.sqrt(louder)),
+        found,
+        shortest,
     )
 
 
