@@ -33,7 +33,7 @@ from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.constants.weighing import FEWEST_WAVES
 from harness.diagnose.selection.outcome import Outcome, judge
 from harness.diagnose.selection.state_evidence import placed, waves_seen
-from harness.effects.effect import Parameter
+from harness.effects.effect import Family, Parameter
 from harness.effects.scale import pull
 
 Array = NDArray[np.float64]
@@ -144,12 +144,13 @@ def grade(
     the noise's colour tells it then, and that was not looked at).
 
     Told for its free runs alone: possible, where sets beside a force have its number elsewhere. Beside a force that is left out:
-    possible, if sets without it and all that it cannot be told from are not much less likely
-    (averaged over all; Hoeting et al., Stat. Sci. 14 (1999) 382), if it was chosen among many places (one of them always fits some
-    of what something else makes), if it may as well be absent, if it explains less than what is left (it may be part of that), or,
-    being no plain law of a single number, not far more (it may be bent to what nobody has named); likely, if one of those that it
-    cannot be told from may be in its place, there are too few recordings to say whether it repeats, leaving one out takes it away,
-    or its size is not known to a factor of ten; else established.
+    possible, if sets without it and all that it cannot be told from are not much less likely (averaged over all; Hoeting et al.,
+    Stat. Sci. 14 (1999) 382), if it was chosen among many places (one of them always fits some of what something else makes), if
+    it may as well be absent, if it explains less than what is left (it may be part of that), or, being no plain law of a single
+    number, not far more (it may be bent to what nobody has named), or if, being no friction, it is far larger than usual and does
+    not explain nearly everything; likely, if one of those that it cannot be told from may be in its place, there are too few
+    recordings to say whether it repeats, leaving one out takes it away, or its size is not known to a factor of ten; else
+    established.
 
     values: its parameters; rows: see ``repeatability``; foretold: see ``foretells``.
     """
@@ -168,7 +169,7 @@ def grade(
             return POSSIBLE
         if not conclusion.remains.significant:
             return firmest
-        unsure = _beyond(BEYOND_BELIEF_RATIO, claim, values) or may_be_absent(claim.candidate, values)
+        unsure = beyond_belief(BEYOND_BELIEF_RATIO, claim.candidate, values) or may_be_absent(claim.candidate, values)
         return POSSIBLE if unsure or _any_smooth_force(outcome, conclusion, claim) else LIKELY
     if outcome.evidence is not None and (claim.of_class < SURE_PROBABILITY or not foretold):
         return POSSIBLE
@@ -189,7 +190,7 @@ def grade(
 
 def _unasked(outcome: Outcome, conclusion: Conclusion, claim: Claim, values: Mapping[str, Estimate]) -> bool:
     """Whether a claim would need what the time was up for: tests of what is left, and of what else it could be."""
-    if _beyond(UNASKED_BELIEF_RATIO, claim, values):
+    if beyond_belief(UNASKED_BELIEF_RATIO, claim.candidate, values):
         return True
     study, best = outcome.study, conclusion.best
     return outcome.force is None and (study.stretched(best) or claim.gain < best.cost)
@@ -229,6 +230,10 @@ def beside_a_remainder(
     if gain < (PLAIN_LAW_RATIO if effect.plain else FAKED_RATIO) * excess:
         return POSSIBLE
     if (placed(member) and not whole) or may_be_absent(member, values):
+        return POSSIBLE
+    rubs = effect.family is Family.DISSIPATION  # as much as it likes, of whatever gear is on a joint
+    if not rubs and gain < WAVE_RATIO * excess and beyond_belief(UNASKED_BELIEF_RATIO, member, values):
+        # A base askew by twenty degrees may stand for what nobody has named; where next to nothing is left, it is what it is.
         return POSSIBLE
     first = next(iter(effect.parameters), None)
     stands = [
@@ -279,16 +284,16 @@ def _at_that_size(outcome: Outcome, conclusion: Conclusion, claim: Claim, values
     return own.low <= others[1] and others[0] <= own.high
 
 
-def _beyond(ratio: float, claim: Claim, values: Mapping[str, Estimate]) -> bool:
+def beyond_belief(ratio: float, member: Candidate, values: Mapping[str, Estimate]) -> bool:
     """Whether a number, at the near end of its interval, is more than so many times what it usually is."""
-    for parameter in claim.candidate.effect.parameters:
+    for parameter in member.effect.parameters:
         usual = parameter.plausible
         if usual is None or not (usual.inverse or np.isfinite(parameter.neutral)):
             continue
         ends = np.array([values[parameter.name].low, values[parameter.name].high])
         with np.errstate(divide="ignore"):
             away = np.abs(1.0 / ends) if usual.inverse else np.abs(ends - parameter.neutral)
-        if np.min(away) > ratio * usual.size(claim.candidate.references):
+        if np.min(away) > ratio * usual.size(member.references):
             return True
     return False
 
