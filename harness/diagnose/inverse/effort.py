@@ -151,13 +151,16 @@ def diagnose_effort(
         settled = stands and deadline.attempt(*UNWEIGHED, lambda: settle(study, stands), lambda: stands)
         tell("telling")
         deadline.begin(Stage.TELLING)
-        claimed = settled or study.fits[frozenset()]
+        claimed, doubtful = settled or study.fits[frozenset()], frozenset[str]()
+        if settled is not None and settled is sure:
+            # Numbers lean on what was left out for want of time to judge it: it stays in the fit, and is told as possible.
+            claimed, doubtful = best, frozenset(best.hypothesis.keys) - frozenset(sure.hypothesis.keys)
         with deadline.spared():
             if study is not problem.smooth:
                 every = [replace(r, quality=(*r.quality, *held_notes(r))) for r in every]
             notes = [_note(system, whole[p.run], p) for p in pushes]
             told = EffortAnswer(
-                system, every, problem.runs, study, claimed, pushes, notes, cutoff, problem.train
+                system, every, problem.runs, study, claimed, pushes, notes, cutoff, problem.train, doubtful
             ).document()
     except TimeUp:
         noise = [

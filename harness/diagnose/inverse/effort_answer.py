@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 
 @dataclass(eq=False)
 class EffortAnswer:
-    """Everything that the document is told from."""
+    """Everything that the document is told from. doubtful: keys of members of the set that nobody had the time to judge."""
 
     system: System
     recordings: Sequence[Recording]
@@ -50,6 +50,7 @@ class EffortAnswer:
     notes: Sequence[QualityNote]
     cutoff: float
     training: int
+    doubtful: frozenset[str] = frozenset()
     _errors: dict[EffortFit, dict[str, float]] = field(default_factory=dict)  # on data held out, by fit
 
     def document(self) -> Diagnosis:
@@ -66,7 +67,7 @@ class EffortAnswer:
         left = effort_left(self.system, (study.data, study.held), best) if incomplete else None
         differing = mismatch(self.system, study, nominal, best) if best.hypothesis.members or incomplete else []
         shown, ranking = curves(self.system, study, nominal, best), self._ranking()
-        found = effort_findings(self.system, study, best, remainder=incomplete)
+        found = effort_findings(self.system, study, best, remainder=incomplete, doubtful=self.doubtful)
         with suppress(TimeUp):
             ranking = self._ranking()
         different = bool(best.hypothesis.members)
@@ -85,7 +86,7 @@ class EffortAnswer:
                     [
                         summary(
                             verdict, severity, self.cutoff, found.titles, found.rivals, Foretold.worst(rows), explained, left,
-                            hurried=bool(study.data.model.deadline.not_tried),
+                            hurried=bool(study.data.model.deadline.not_tried), beside=len(found.titles) < len(found.rows),
                         ),
                         *(beside_findings(study.data.model.nominal, best.x, rows) if found.titles else ()),
                         may_be_one_force(found.of_any_shape),

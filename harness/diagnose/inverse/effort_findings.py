@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -45,8 +45,13 @@ class EffortFindings:
     of_any_shape: Sequence[str] = ()
 
 
-def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, remainder: bool) -> EffortFindings:
-    """All findings of a set; remainder: whether more than noise is left beside it."""
+def effort_findings(
+    system: System, study: EffortStudy, best: EffortFit, *, remainder: bool, doubtful: Collection[str] = ()
+) -> EffortFindings:
+    """All findings of a set.
+
+    remainder: whether more than noise is left beside it. doubtful: keys of members that are no more than possible.
+    """
     deadline = study.data.model.deadline
     weights = {key: study.criterion(f) for key, f in study.fits.items()}
     lowest = min(weights.values())
@@ -79,7 +84,7 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
             grades[k] = grade(study, best, k, smaller, repeats, rivals=rivals, remainder=remainder)
         # What the time was up for might have found something in its place.
         how = LIKELY if deadline.not_tried and grades[k] == ESTABLISHED else grades[k]
-        how = grades[k] = POSSIBLE if k in shapeless else how
+        how = grades[k] = POSSIBLE if k in shapeless or member.key in doubtful else how
         probability = sum(s for key, s in share.items() if member.key in key) / total
         findings.append(
             {

@@ -76,6 +76,7 @@ def _by(found: Sequence[InWords], key: Callable[[InWords], Hashable]) -> dict[An
 def summary(
     verdict: str, severity: float, cutoff: float, firm: Sequence[str], rivals: Sequence[str], foretold: Foretold,
     explained: float | None, left: LeftOut | None, *, hurried: bool = False,
+    beside: bool = False,
 ) -> str:  # fmt: skip
     """The sentences about what was found and what is left.
 
@@ -93,7 +94,7 @@ def summary(
     elif verdict == "explained":
         text = f"{off} ({band}); with {' and '.join(firm)} the residual is at the noise, also on data held out."
     elif firm and verdict != "unexplained":
-        text = f"{off} ({band}); {holding_up(firm, explained)}."
+        text = f"{off} ({band}); {holding_up(firm, explained, beside=beside)}."
     else:
         sure = "" if verdict == "unexplained" else " for certain"
         nothing = f"nothing in the catalogue earns its place{sure}"
