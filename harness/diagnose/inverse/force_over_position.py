@@ -83,7 +83,8 @@ def _cost(study: EffortStudy, design: Array, here: Array, size: Array, x: Array)
 
 def _shapes(study: EffortStudy, joint: int) -> Iterator[tuple[Array, float]]:
     """What forces over a joint's position add to the rows, (rows, k), and what so many numbers have to bring."""
-    for count in POSITION_SHAPES:
+    ways = [float(np.ptp(run.q[:, joint])) for run in study.data.model.runs]
+    for count in POSITION_SHAPES if max(ways) > 0.0 else ():
         splines = _splines(study, joint, count)
         shapes = np.stack([-study.data.whitened.of_force(joint, own) for own in splines], axis=1)
         yield shapes, count * float(np.log(study.data.samples))
