@@ -15,7 +15,7 @@ QUICK = {
         "test_absence", "test_actuator_saturation",
         "test_assemblies", "test_averaged_intervals", "test_balanced_link", "test_band_of_efforts", "test_beside_a_remainder",
         "test_beyond_belief", "test_price_of_vibrations", "test_coarse_effort", "test_effort_noise_beside", "test_stop_and_go",
-        "test_unseen_numbers", "test_slow_channel", "test_balancing_spring", "test_drive_limit", "test_kinds_told",
+        "test_unseen_numbers", "test_slow_channel", "test_balancing_spring", "test_drive_limit", "test_kinds_told", "test_stop_met_early",
         "test_changed_numbers",
         "test_conventions", "test_crosstalk", "test_curved_valley", "test_deadline", "test_diagnose_noise_colour",
         "test_discrepancy",

@@ -209,7 +209,25 @@ def _strange_beginning(q: Array, qd: Array, qdd: Array, expected: Array, *, stop
     knocks = np.flatnonzero(np.abs(means[:near]) > max(CARRIED_SIGMAS * sigma, CARRIED_SHARE))
     share = float(np.mean(np.abs(means[: max(count, 1)])))
     count = max(count, int(knocks[-1]) + 1) if len(knocks) else count
+    if not stopped and _recurs(q, means, count, max(CARRIED_SIGMAS * sigma, CARRIED_SHARE)):
+        return 0, 0.0
     return SMOOTHING_SAMPLES // 2 + (count + 1) * FORCE_WINDOW_SAMPLES, share
+
+
+def _recurs(q: Array, means: Array, count: int, least: float) -> bool:
+    """Whether what acts in the first windows acts again wherever the motion is there again: a stop does, or a magnet, and no hand.
+
+    means: forces that no law explains, of every window; least: from which on one counts.
+    """
+    places = q[SMOOTHING_SAMPLES // 2 :][: len(means) * FORCE_WINDOW_SAMPLES].reshape(len(means), -1).mean(axis=1)
+    strange = np.abs(means) > least
+    first, later = strange.copy(), strange.copy()
+    first[count:] = later[:count] = False
+    if not first.any():
+        return False
+    margin, way = BEYOND_STOP_EXTENT * float(np.ptp(q)), np.sign(means[first].mean())
+    low, high = places[first].min() - margin, places[first].max() + margin
+    return bool(np.any(later & (way * means > 0.0) & (places >= low) & (places <= high)))
 
 
 def _forces(qd: Array, qdd: Array, expected: Array, told: int) -> tuple[Array, NDArray[np.bool_], float, float]:
