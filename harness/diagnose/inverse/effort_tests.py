@@ -125,22 +125,21 @@ def _louder(asked: _Asked) -> Iterator[dict[str, Any]]:
     """More than the noise, which is what the most that ordinary torques can take leaves."""
     ratio = asked.floor / asked.noise
     if ratio > COMPLETE_RESIDUAL_RATIO:
-        count = max(asked.study.data.samples, 1.0)
-        yield _row(
-            "more than the noise of the effort", (ratio**2 - 1.0) * count, float(chi2.sf(ratio**2 * count, count)),
-            f"{ratio:.2f} times it at {asked.name}",
-        )  # fmt: skip
+        yield _beyond("more than the noise of the effort", ratio, asked, f"{ratio:.2f} times it at {asked.name}")
 
 
 def _slower(asked: _Asked) -> Iterator[dict[str, Any]]:
     """What ordinary torques cannot take passes for noise, however slow it is: beside sensors that scatter far less it is none."""
     ratio = asked.floor / asked.scatter if asked.scatter > 0.0 else 1.0
     if ratio > SLOW_NOISE_RATIO:
-        count = max(asked.study.data.samples, 1.0)
-        yield _row(
-            "slower than the sensors' scatter", (ratio**2 - 1.0) * count, float(chi2.sf(ratio**2 * count, count)),
-            f"{ratio:.2g} times what it leaves at {asked.name}",
-        )  # fmt: skip
+        where = f"{ratio:.2g} times what it leaves at {asked.name}"
+        yield _beyond("slower than the sensors' scatter", ratio, asked, where)
+
+
+def _beyond(what: str, ratio: float, asked: _Asked, where: str) -> dict[str, Any]:
+    """What is left, so many times as large as it should be: gain and chance by χ² of as many samples as there are."""
+    count = max(asked.study.data.samples, 1.0)
+    return _row(what, (ratio**2 - 1.0) * count, float(chi2.sf(ratio**2 * count, count)), where)
 
 
 def scatter_of(system: System, recordings: Sequence[Recording], joint: int, bandwidth: float) -> float:

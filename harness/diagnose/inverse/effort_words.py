@@ -75,14 +75,13 @@ def _by(found: Sequence[InWords], key: Callable[[InWords], Hashable]) -> dict[An
 
 def summary(
     verdict: str, severity: float, cutoff: float, firm: Sequence[str], rivals: Sequence[str], foretold: Foretold,
-    explained: float | None, left: LeftOut | None, *, hurried: bool = False,
-    beside: bool = False,
+    explained: float | None, left: LeftOut | None, *, hurried: bool = False, beside: bool = False,
 ) -> str:  # fmt: skip
     """The sentences about what was found and what is left.
 
     severity: of the nominal model [standard deviations of noise]; cutoff: of the low-pass [Hz]; firm: findings in words that are
     more than possible; explained: share of the mismatch on data held out that all of them remove; hurried: whether the time was
-    up before all was tried.
+    up before all was tried; beside: whether the table has what is only possible beside the firm.
     """
     size = f"by {times(severity)} times the noise"
     off = f"The effort that the nominal model needs for the recorded motion leaves the recorded one {size}"

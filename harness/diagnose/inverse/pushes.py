@@ -120,7 +120,7 @@ def _beside_a_limit(
     A drive that is asked for more than it can give looks, wherever it is, as if something pushed against it. plain, pushes: what
     ordinary torques leave of efforts without a limit.
     """
-    most = max(float(np.abs(run.raw[:, joint]).max()) for run in runs)
+    most, quietest = max(float(np.abs(run.raw[:, joint]).max()) for run in runs), _spread(runs, plain)
     best = pushes
     for share in DRIVE_LIMITS:
         limited = []
@@ -129,7 +129,7 @@ def _beside_a_limit(
             raw[:, joint] = np.clip(raw[:, joint], -share * most, share * most)
             limited.append(replace(run, raw=raw, effort=run.smooth(raw)))
         ordinary = ordinary_torque(system, limited, joint, links)
-        left = _beyond_ordinary(limited, joint, ordinary, shown, _spread(runs, plain))
+        left = _beyond_ordinary(limited, joint, ordinary, shown, quietest)
         best = min(best, left, key=_lasting)
     return best if _lasting(best) < LIMITED_SHARE * _lasting(pushes) else pushes
 
