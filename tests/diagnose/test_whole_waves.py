@@ -13,7 +13,7 @@ from harness.diagnose.claims import grades
 from harness.diagnose.claims.grades import no_firmer_than_its_law, no_smooth_force
 from harness.diagnose.diagnose import diagnose
 from harness.diagnose.estimation.intervals import Estimate
-from harness.diagnose.inverse.effort_grades import _waves_seen
+from harness.diagnose.inverse.effort_grades import waves_seen
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.effects.catalogue import effect
 from harness.effects.scale import References
@@ -28,7 +28,7 @@ def test_waves_are_counted_over_the_angle_that_was_passed(periods: float, span: 
     data: Any = SimpleNamespace(model=model)
     member = Candidate(effect("cogging_torque"), "wrist", References())
     values = {"periods": Estimate(periods, 0.05, periods - 0.1, periods + 0.1)}
-    assert _waves_seen(data, member, values) == pytest.approx(waves, abs=0.02)
+    assert waves_seen(data, member, values) == pytest.approx(waves, abs=0.02)
 
 
 @pytest.mark.parametrize(
