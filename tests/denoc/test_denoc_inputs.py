@@ -145,4 +145,4 @@ def test_unknown_link_is_named() -> None:
 
 def test_a_path_in_the_place_of_a_system_is_told():
     with pytest.raises(InputError, match=r"Denoc is of a System, not of a str \(read a file by harness.load\(path\)\)"):
-        Denoc("robot.urdf")  # type: ignore[arg-type]
+        Denoc("robot.urdf")
